@@ -1,0 +1,33 @@
+/* rom_state.h - the mould during a run: modal state, its step, what it holds and what it has lost.
+ *   dz/dt = -Lambda z + B q + ambient (T_ambient - T_preheat), z(0) = 0          (docs/theory, mould online) */
+#ifndef CAST_MOULD_ROM_STATE_H
+#define CAST_MOULD_ROM_STATE_H
+
+#include "common/rom.h"
+
+typedef enum RomScheme { ROM_EXPONENTIAL, ROM_BACKWARD_EULER } RomScheme;
+
+typedef struct RomState RomState;
+
+/*  rom  borrowed, must outlive the state */
+CastStatus rom_state_create(const RomData *rom, RomScheme scheme, double preheat, double ambient, RomState **state,
+                            CastError *err);
+void rom_state_destroy(RomState **state);
+/* One step of dt with the heat flows q [m] W, constant over it; patch temperatures are refreshed. */
+void rom_state_step(RomState *state, const double *q, double dt);
+double rom_state_time(const RomState *state);
+const double *rom_state_patch_temperature(const RomState *state); // [m] K
+const double *rom_state_z(const RomState *state);                 // [r]
+double rom_state_preheat(const RomState *state);
+double rom_state_heat(const RomState *state); // J above preheat, constant^T z: from the state, not from the flows
+double rom_state_lost(const RomState *state); // J to the surroundings so far: exact integral of the losses over each step
+/* Largest eigenvalue of h_eff G(dt), G(dt) = B^T phi(Lambda, dt) B scaled by patch areas: the staggered exchange is
+ * stable below 1, and 0.5 is the limit used. */
+double rom_state_stiffness(const RomState *state, double h_eff, double dt);
+/* Temperature, K, at the ROM's geometry points [n_points]. */
+void rom_state_point_temperature(const RomState *state, double *temperature);
+/* For checkpoints: everything that changes during a run. */
+size_t rom_state_size(const RomState *state);                    // doubles
+void rom_state_save(const RomState *state, double *buffer);
+void rom_state_restore(RomState *state, const double *buffer);
+#endif

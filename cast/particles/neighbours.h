@@ -1,0 +1,35 @@
+/* neighbours.h - who is within the kernel's support of whom. Cell lists and Verlet lists with a skin.
+ * Lists are full: each fluid particle has all its neighbours, so iteration i writes only its own particle and results
+ * have the same bits at any thread count. Entries of a list ascend in a fixed order that does not depend on threads. */
+#ifndef CAST_PARTICLES_NEIGHBOURS_H
+#define CAST_PARTICLES_NEIGHBOURS_H
+
+#include <stdbool.h>
+#include "cast/geometry/surface.h"
+#include "cast/particles/particles.h"
+
+typedef struct PairList {
+  ptrdiff_t n;      // rows
+  ptrdiff_t *start; // [n + 1]
+  int32_t *index;   // [start[n]]
+  ptrdiff_t capacity;
+} PairList;
+
+typedef struct Neighbours Neighbours;
+
+/*  reach    m: the kernel's support radius;  skin  m: added to it, so lists last until something moved skin/2
+ *  surface  borrowed; pairs that the mould separates are left out (NULL: no such test) */
+CastStatus neighbours_create(double reach, double skin, const Surface *surface, Neighbours **neighbours, CastError *err);
+void neighbours_destroy(Neighbours **neighbours);
+/* Rebuild if a particle moved more than skin/2 since the last build, or `force`. Re-sorts the fluid particles in space
+ * (all their fields). `rebuilt` tells whether indices changed. Errors: CAST_ERR_MEMORY; CAST_ERR_NUMERIC for a position
+ * that is not finite, naming the particle. */
+CastStatus neighbours_update(Neighbours *neighbours, Particles *particles, bool force, bool *rebuilt, CastError *err);
+/* Fluid i -> fluid j; fluid i -> wall j (j is a particle index >= n_fluid); wall k -> fluid j (row k = wall index).
+ * Entries may lie beyond reach (up to reach + skin): kernels vanish there. */
+const PairList *neighbours_fluid_fluid(const Neighbours *neighbours);
+const PairList *neighbours_fluid_wall(const Neighbours *neighbours);
+const PairList *neighbours_wall_fluid(const Neighbours *neighbours);
+long neighbours_builds(const Neighbours *neighbours);
+
+#endif

@@ -1,0 +1,19 @@
+/* table.h - a function given by points, linear between them and constant outside (or extrapolated, see table_invert). */
+#ifndef COMMON_TABLE_H
+#define COMMON_TABLE_H
+
+#include <stddef.h>
+#include "common/error.h"
+
+typedef struct Table {
+  size_t n;  // points; 0: no table
+  double *x; // [n] strictly increasing
+  double *y; // [n]
+} Table;
+
+/* Copy the points, checking that x strictly increases and all is finite. */
+CastStatus table_create(size_t n, const double *x, const double *y, Table *table, CastError *err);
+void table_destroy(Table *table);
+double table_evaluate(const Table *table, double x); // constant outside
+double table_slope(const Table *table, double x);    // dy/dx of the segment; 0 outside
+#endif

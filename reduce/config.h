@@ -1,0 +1,83 @@
+/* config.h - mould.yaml, parsed once into a const struct. Same on every rank (each rank parses the text that rank 0
+ * read and broadcast). docs/user-guide describes the file. */
+#ifndef REDUCE_CONFIG_H
+#define REDUCE_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "common/material.h"
+
+enum { NAME_LENGTH = 64 };
+
+typedef enum BoundaryKind { BOUNDARY_ROBIN, BOUNDARY_INSULATED, BOUNDARY_FIXED } BoundaryKind;
+
+typedef struct RegionConfig { // a named volume and what it is made of
+  char name[NAME_LENGTH];
+  Material material;
+} RegionConfig;
+
+typedef struct BoundaryConfig { // a named outer surface
+  char name[NAME_LENGTH];
+  BoundaryKind kind;
+  double h; // W/(m2 K)
+} BoundaryConfig;
+
+typedef struct CavitySurfaceConfig { // a named part of the cavity wall
+  char name[NAME_LENGTH];
+  double patch_size; // m, edge of the square of a patch's target area; 0: one patch for the whole surface
+  double mesh_size;  // m, at this surface
+} CavitySurfaceConfig;
+
+typedef struct GroupConfig { // names for a geometry that has none (STEP): entities by tag or by bounding box
+  char name[NAME_LENGTH];
+  int dimension; // 2 or 3
+  size_t n_tags;
+  int *tags;
+  bool has_box;
+  double box[6]; // m: xmin ymin zmin xmax ymax zmax, entities wholly inside
+  bool rest;     // all entities of the dimension that no other group holds
+} GroupConfig;
+
+typedef enum ReductionMethod { REDUCTION_RATIONAL, REDUCTION_ARNOLDI } ReductionMethod;
+
+typedef struct ReductionConfig {
+  ReductionMethod method;
+  double t_start, t_end; // s
+  double tolerance;      // of patch temperatures over their largest rise
+  long moments;          // arnoldi: q at s0
+  double s0;             // 1/s, arnoldi's expansion point
+  size_t n_shifts;       // rational: 0 = chosen by the program
+  double *shifts;        // 1/s
+  double deflation;      // relative size below which a direction is dropped
+  bool second_stage;     // balanced second stage
+  double solver_rtol;    // of iterative solves
+  bool iterative;        // force CG + AMG; default: by size
+} ReductionConfig;
+
+typedef struct ReduceConfig {
+  char *title;
+  char *geometry_path;  // resolved against the input file's folder
+  double geometry_unit; // m: length of one unit of the geometry's numbers
+  char geometry_sha256[65];
+  size_t n_groups;
+  GroupConfig *group;
+  size_t n_regions;
+  RegionConfig *region;
+  size_t n_boundaries;
+  BoundaryConfig *boundary;
+  size_t n_cavity;
+  CavitySurfaceConfig *cavity;
+  double outside_size;  // m, mesh size far from the cavity
+  double growth;        // size gained per length away from the cavity wall: size = cavity size + growth * distance
+  double band;          // m, thickness of the near-wall band kept in the ROM
+  int order;            // of the elements: 1
+  ReductionConfig reduction;
+  char *rom_path;       // resolved against the input file's folder
+  char *input_path, *input_text;
+} ReduceConfig;
+
+/* Errors: CAST_ERR_INPUT with all faults, one a line. `text` NULL: read the file. */
+CastStatus reduce_config_read(const char *path, const char *text, ReduceConfig **config, CastError *err);
+void reduce_config_destroy(ReduceConfig **config);
+
+#endif

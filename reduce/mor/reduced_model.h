@@ -1,0 +1,34 @@
+/* reduced_model.h - the mould reduced by Galerkin projection on a rational Krylov space, in modal form. */
+#ifndef REDUCE_MOR_REDUCED_MODEL_H
+#define REDUCE_MOR_REDUCED_MODEL_H
+
+#include <slepcbv.h>
+#include "common/log.h"
+#include "common/rom.h"
+#include "reduce/fem/thermal_system.h"
+
+typedef struct ReducedModel {
+  PetscInt r, m;
+  PetscReal *lambda;   // [r] 1/s ascending
+  PetscReal *B;        // [r*m] row-major
+  PetscReal *ambient;  // [r]
+  PetscReal *constant; // [r]
+  BV V;                // [n x r] E-orthonormal basis in modal form, distributed; owned
+  PetscInt n_shifts;
+  PetscReal *shifts;   // [n_shifts] 1/s
+  PetscInt moments;
+  RomCertificate certificate;
+  double seconds_reduction, seconds_certificate;
+} ReducedModel;
+
+/* Reduce, certify, and enrich until the certificate meets config->tolerance (rational) or warn (arnoldi). Collective;
+ * the same answer on any number of ranks to solver tolerance. Says what it does in `log` (rank 0; NULL elsewhere). */
+PetscErrorCode reduced_model_create(const ThermalSystem *system, const ReductionConfig *config, Log *log,
+                                    ReducedModel **model);
+PetscErrorCode reduced_model_destroy(ReducedModel **model);
+
+/* H_r(s) = B^T (s + Lambda)^-1 B and the full H(s) = B^T (s E + K)^-1 B at a real s; [m*m] row-major, on every rank. */
+PetscErrorCode reduced_model_transfer(const ReducedModel *model, PetscReal s, PetscReal *H);
+PetscErrorCode thermal_system_transfer(const ThermalSystem *system, PetscReal s, PetscReal rtol, PetscReal *H);
+
+#endif
