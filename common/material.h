@@ -33,6 +33,11 @@ typedef struct Material {
 CastStatus material_read(YamlNode node, Material *material, CastError *err);
 void material_destroy(Material *material);
 
+/* Does the material have what a mould (constant specific heat and conductivity) or a melt (enthalpy, viscosity) needs?
+ * Errors: CAST_ERR_INPUT, naming the material and what it lacks. */
+CastStatus material_check_mould(const Material *material, CastError *err);
+CastStatus material_check_melt(const Material *material, CastError *err);
+
 double material_temperature(const Material *material, double enthalpy); // T(E), K; extrapolates with the end slopes
 double material_enthalpy(const Material *material, double temperature); // E(T), J/kg; the exact inverse
 double material_specific_heat_min(const Material *material);            // smallest dE/dT, J/(kg K): limits conduction steps

@@ -1,4 +1,5 @@
-/* table.h - a function given by points, linear between them and constant outside (or extrapolated, see table_invert). */
+/* table.h - a function given by points, linear between them and constant outside
+ * (or continued with the end slopes: table_interpolate_open). */
 #ifndef COMMON_TABLE_H
 #define COMMON_TABLE_H
 
@@ -16,4 +17,7 @@ CastStatus table_create(size_t n, const double *x, const double *y, Table *table
 void table_destroy(Table *table);
 double table_evaluate(const Table *table, double x); // constant outside
 double table_slope(const Table *table, double x);    // dy/dx of the segment; 0 outside
+/* The same on bare arrays of n >= 2 points, continued beyond both ends with the slope of the end segment. */
+double table_interpolate_open(const double *x, const double *y, size_t n, double at);
+
 #endif

@@ -40,6 +40,7 @@ const char *yaml_input_path(const YamlInput *input);
 YamlNode yaml_root(YamlInput *input);
 bool yaml_exists(YamlNode node);
 int yaml_line(YamlNode node); // 1-based; 0 if absent
+void yaml_input_extent(YamlNode node, size_t *start, size_t *end); // bytes of the node in the text
 YamlNode yaml_get(YamlNode map, const char *key);     // absent if there is no such key; the key counts as known
 YamlNode yaml_require(YamlNode map, const char *key); // the same, but a missing key is a problem
 size_t yaml_count(YamlNode node);                     // items of a sequence, entries of a map; 0 for others

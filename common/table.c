@@ -1,0 +1,68 @@
+#include "common/table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+CastStatus table_create(size_t n, const double *x, const double *y, Table *table, CastError *err)
+{
+  *table = (Table){0};
+  CAST_CHECK(n > 0, err, CAST_ERR_ARGUMENT, "a table needs at least one point");
+  for (size_t i = 0; i < n; i++) {
+    CAST_CHECK(isfinite(x[i]) && isfinite(y[i]), err, CAST_ERR_INPUT, "point %zu of the table is not finite", i + 1);
+    CAST_CHECK(i == 0 || x[i] > x[i - 1], err, CAST_ERR_INPUT,
+               "point %zu of the table: %g follows %g, strictly increasing values are expected", i + 1, x[i],
+               i ? x[i - 1] : 0.0);
+  }
+  table->x = malloc(n * sizeof *x);
+  table->y = malloc(n * sizeof *y);
+  if (!table->x || !table->y) {
+    table_destroy(table);
+    return cast_error_set(err, CAST_ERR_MEMORY, "no memory for a table of %zu points", n);
+  }
+  memcpy(table->x, x, n * sizeof *x);
+  memcpy(table->y, y, n * sizeof *y);
+  table->n = n;
+  return CAST_OK;
+}
+
+void table_destroy(Table *table)
+{
+  if (!table) return;
+  free(table->x);
+  free(table->y);
+  *table = (Table){0};
+}
+
+/* The segment [x[i], x[i+1]] that holds x, for a table of two points or more and x within it. */
+static size_t segment_of(const double *x, size_t n, double at)
+{
+  size_t low = 0, high = n - 1;
+  while (high - low > 1) {
+    const size_t middle = (low + high) / 2;
+    if (x[middle] <= at) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+double table_evaluate(const Table *table, double x)
+{
+  if (x <= table->x[0]) return table->y[0];
+  if (x >= table->x[table->n - 1]) return table->y[table->n - 1];
+  const size_t i = segment_of(table->x, table->n, x);
+  return table->y[i] + (table->y[i + 1] - table->y[i]) * ((x - table->x[i]) / (table->x[i + 1] - table->x[i]));
+}
+
+double table_slope(const Table *table, double x)
+{
+  if (table->n < 2 || x < table->x[0] || x > table->x[table->n - 1]) return 0.0;
+  const size_t i = segment_of(table->x, table->n, x);
+  return (table->y[i + 1] - table->y[i]) / (table->x[i + 1] - table->x[i]);
+}
+
+double table_interpolate_open(const double *x, const double *y, size_t n, double at)
+{
+  const size_t i = at <= x[0] ? 0 : at >= x[n - 1] ? n - 2 : segment_of(x, n, at);
+  return y[i] + (y[i + 1] - y[i]) * ((at - x[i]) / (x[i + 1] - x[i]));
+}

@@ -1,0 +1,32 @@
+/* yaml_input_private.h - the document behind yaml_input.h: shared by its reader, its getters and its report. */
+#ifndef COMMON_YAML_INPUT_PRIVATE_H
+#define COMMON_YAML_INPUT_PRIVATE_H
+
+#include <yaml.h>
+#include "common/yaml_input.h"
+
+typedef struct YamlProblem {
+  int line;
+  char *text; // without file and line
+} YamlProblem;
+
+struct YamlInput {
+  char *path, *text;
+  yaml_document_t document;
+  bool has_document;
+  int n_nodes;         // nodes are numbered 1..n_nodes
+  int *parent;         // [n_nodes + 1] map or sequence that holds the node; 0: root
+  const char **name;   // [n_nodes + 1] key under which a map holds the node; NULL in a sequence
+  int *position;       // [n_nodes + 1] place in a sequence
+  char ***asked;       // [n_nodes + 1] for each map the keys asked for (owned strings)
+  size_t *n_asked;     // [n_nodes + 1]
+  size_t n_problems;
+  YamlProblem *problem;
+};
+
+yaml_node_t *yaml_input_node(YamlNode node);
+void yaml_input_ask(YamlNode map, const char *key);
+/* "mesh.cavity_size", "melt.blocks[2].size"; empty for the root. */
+void yaml_input_name(YamlNode node, char *buffer, size_t size);
+
+#endif
