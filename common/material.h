@@ -9,14 +9,14 @@
 
 typedef struct Material {
   char name[64];
-  char *text;             // the YAML it came from (owned), for provenance
-  char sha256[65];        // of text
-  double density;         // kg/m3 (melt: liquid)
-  double specific_heat;   // J/(kg K), constant (mould); melts: of the liquid
-  double conductivity;    // W/(m K), constant (mould); melts: of the liquid
+  char *text;           // the YAML it came from (owned), for provenance
+  char sha256[65];      // of text
+  double density;       // kg/m3 (melt: liquid)
+  double specific_heat; // J/(kg K), constant (mould); melts: of the liquid, from the curve's last segment if given so
+  double conductivity;  // W/(m K), constant (mould); melts: of the liquid
   double reference_temperature; // K at which the constants were taken; NAN if the source does not say
   double solidus, liquidus;     // K; NAN if the material does not melt
-  double latent_heat;           // J/kg; 0 if none
+  double latent_heat;           // J/kg; 0 if none or if a curve is given without its freezing range
   Table enthalpy;               // T [K] -> E [J/kg], strictly increasing in both; n = 0 for a mould material
   Table solid_fraction;         // T [K] -> solid fraction [1], decreasing; n = 0 if the material does not melt
   Table conductivity_of_t;      // T [K] -> W/(m K); n >= 1 for a melt
@@ -40,5 +40,5 @@ CastStatus material_check_melt(const Material *material, CastError *err);
 
 double material_temperature(const Material *material, double enthalpy); // T(E), K; extrapolates with the end slopes
 double material_enthalpy(const Material *material, double temperature); // E(T), J/kg; the exact inverse
-double material_specific_heat_min(const Material *material);            // smallest dE/dT, J/(kg K): limits conduction steps
+double material_specific_heat_min(const Material *material); // smallest dE/dT, J/(kg K): limits conduction steps
 #endif

@@ -43,17 +43,17 @@ typedef struct RomMaterial {
 /* What is known of the reduction's error; relative errors have no unit. NAN: not computed. */
 typedef struct RomCertificate {
   size_t n_frequencies;
-  double *frequency;        // [n] rad/s, none of them used for the reduction
-  double *transfer_bound;   // [n] upper bound of ||H(iw) - H_r(iw)||_2 / ||H_r(iw)||_2
+  double *frequency;      // [n] rad/s, none of them used for the reduction
+  double *transfer_bound; // [n] upper bound of ||H(iw) - H_r(iw)||_2 / ||H_r(iw)||_2
   size_t n_times;
-  double *time;             // [n] s
-  double *step_error;       // [n] max |dT| of the sampled patches at that time / largest rise, full model against ROM
-  double step_error_max;    // over time in [t_start, t_end] and sampled patches: the error that `tolerance` means
-  long sampled_patches;     // how many step inputs were followed
-  double moment_error;      // relative difference of the moments matched; NAN unless checked
-  double orthogonality;     // max |V^T E V - I|
+  double *time;              // [n] s
+  double *step_error;        // [n] max |dT| of the sampled patches at that time / largest rise, full model against ROM
+  double step_error_max;     // over time in [t_start, t_end] and sampled patches: the error that `tolerance` means
+  long sampled_patches;      // how many step inputs were followed
+  double moment_error;       // relative difference of the moments matched; NAN unless checked
+  double orthogonality;      // max |V^T E V - I|
   double second_stage_bound; // a-priori bound of the second stage, K/W; 0 if there was none
-  bool met;                 // step_error_max <= tolerance
+  bool met;                  // step_error_max <= tolerance
 } RomCertificate;
 
 typedef struct RomProvenance { // all owned, never NULL in a file that was read
@@ -65,34 +65,34 @@ typedef struct RomProvenance { // all owned, never NULL in a file that was read
 
 typedef struct RomData {
   char *title;
-  size_t r, m;      // states; patches (cavity and outer)
-  size_t n_full;    // unknowns of the full model
-  double *lambda;   // [r] 1/s, ascending, >= 0
-  double *B;        // [r*m] row-major: B[k*m + l], sqrt(K/J)
-  double *ambient;  // [r]
-  double *constant; // [r] sqrt(J/K)
+  size_t r, m;          // states; patches (cavity and outer)
+  size_t n_full;        // unknowns of the full model
+  double *lambda;       // [r] 1/s, ascending, >= 0
+  double *B;            // [r*m] row-major: B[k*m + l], sqrt(K/J)
+  double *ambient;      // [r]
+  double *constant;     // [r] sqrt(J/K)
   double heat_capacity; // J/K of the whole mould: 1^T E 1 = constant^T constant
   RomPatch *patch;      // [m]
   size_t n_materials;
   RomMaterial *material;
 
   size_t n_points;
-  double *points;       // [n_points*3] m
-  float *basis;         // [n_points*r] row-major, K/sqrt(J K)
+  double *points; // [n_points*3] m
+  float *basis;   // [n_points*r] row-major, K/sqrt(J K)
   size_t n_triangles;
-  int32_t *triangles;   // [n_triangles*3] into points
+  int32_t *triangles;      // [n_triangles*3] into points
   int32_t *triangle_patch; // [n_triangles]
   size_t n_tetrahedra;
-  int32_t *tetrahedra;  // [n_tetrahedra*4] into points, positive volume
-  double band;          // m: the tetrahedra reach at least this far into the mould from the cavity wall
+  int32_t *tetrahedra; // [n_tetrahedra*4] into points, positive volume
+  double band;         // m: the tetrahedra reach at least this far into the mould from the cavity wall
 
-  char method[32];      // "arnoldi" or "rational"
+  char method[32]; // "arnoldi" or "rational"
   size_t n_shifts;
-  double *shifts;       // [n_shifts] 1/s
-  long moments;         // moments (or vectors an input) at each shift
-  double tolerance;     // asked for
+  double *shifts;        // [n_shifts] 1/s
+  long moments;          // moments (or vectors an input) at each shift
+  double tolerance;      // asked for
   double t_start, t_end; // s, band of times that tolerance speaks of
-  double min_edge;      // m, shortest edge of a boundary triangle of the cavity
+  double min_edge;       // m, shortest edge of a boundary triangle of the cavity
   RomCertificate certificate;
   RomProvenance provenance;
 } RomData;

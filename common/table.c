@@ -34,21 +34,22 @@ void table_destroy(Table *table)
   *table = (Table){0};
 }
 
-/* The segment [x[i], x[i+1]] that holds x, for a table of two points or more and x within it. */
+/* The segment [x[i], x[i+1]] that holds `at`, the last one that begins at or below it, for n >= 2. Halving without
+ * branches: particles come in any order of temperature, and a mispredicted branch costs more than the whole search. */
 static size_t segment_of(const double *x, size_t n, double at)
 {
-  size_t low = 0, high = n - 1;
-  while (high - low > 1) {
-    const size_t middle = (low + high) / 2;
-    if (x[middle] <= at) low = middle;
-    else high = middle;
+  size_t low = 0, length = n - 1; // segments that are still possible
+  while (length > 1) {
+    const size_t half = length / 2;
+    low += x[low + half] <= at ? half : 0;
+    length -= half;
   }
   return low;
 }
 
 double table_evaluate(const Table *table, double x)
 {
-  if (x <= table->x[0]) return table->y[0];
+  if (table->n == 1 || x <= table->x[0]) return table->y[0];
   if (x >= table->x[table->n - 1]) return table->y[table->n - 1];
   const size_t i = segment_of(table->x, table->n, x);
   return table->y[i] + (table->y[i + 1] - table->y[i]) * ((x - table->x[i]) / (table->x[i + 1] - table->x[i]));
@@ -63,6 +64,6 @@ double table_slope(const Table *table, double x)
 
 double table_interpolate_open(const double *x, const double *y, size_t n, double at)
 {
-  const size_t i = at <= x[0] ? 0 : at >= x[n - 1] ? n - 2 : segment_of(x, n, at);
+  const size_t i = segment_of(x, n, at);
   return y[i] + (y[i + 1] - y[i]) * ((at - x[i]) / (x[i + 1] - x[i]));
 }

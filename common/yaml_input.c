@@ -6,60 +6,66 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_FILE_BYTES = 16 << 20, MAX_DEPTH = 64 };
+enum { MAX_FILE_BYTES = 4 << 20, MAX_KEYS = 1000 }; // keys are searched one by one
 
-static CastStatus read_file(const char *path, char **text, CastError *err)
+/* All of the file, `n` bytes and a NUL; no more than MAX_FILE_BYTES + 1 of them. Caller owns; NULL: no memory. */
+static char *read_bytes(FILE *file, size_t *n)
 {
-  FILE *file = fopen(path, "rb");
-  CAST_CHECK(file, err, CAST_ERR_IO, "'%s' cannot be opened: %s", path, strerror(errno));
-  size_t n = 0, capacity = 1 << 14;
+  size_t capacity = 1 << 14;
   char *bytes = malloc(capacity + 1);
+  *n = 0;
   while (bytes) {
-    n += fread(bytes + n, 1, capacity - n, file);
-    if (n < capacity || capacity > MAX_FILE_BYTES) break;
+    *n += fread(bytes + *n, 1, capacity - *n, file);
+    if (*n < capacity || *n > MAX_FILE_BYTES) break;
     capacity *= 2;
     char *larger = realloc(bytes, capacity + 1);
     if (!larger) free(bytes);
     bytes = larger;
   }
-  const int failed = ferror(file);
-  fclose(file);
-  CAST_CHECK(bytes, err, CAST_ERR_MEMORY, "no memory to read '%s'", path);
-  bytes[n] = '\0';
-  if (failed || n > MAX_FILE_BYTES || memchr(bytes, '\0', n)) {
-    free(bytes);
-    return failed ? cast_error_set(err, CAST_ERR_IO, "'%s' cannot be read: %s", path, strerror(errno))
-                  : cast_error_set(err, CAST_ERR_INPUT, "'%s' is not a text file of YAML", path);
-  }
-  *text = bytes;
-  return CAST_OK;
+  if (bytes) bytes[*n] = '\0';
+  return bytes;
 }
 
-static CastStatus parse_document(YamlInput *input, CastError *err)
+static CastStatus check_bytes(const char *path, const char *bytes, size_t n, CastError *err)
+{
+  CAST_CHECK(n <= MAX_FILE_BYTES, err, CAST_ERR_INPUT, "'%s' is larger than %d MiB: no input file", path,
+             MAX_FILE_BYTES >> 20);
+  const char *nul = memchr(bytes, '\0', n);
+  if (!nul) return CAST_OK;
+  int line = 1;
+  for (const char *c = bytes; c < nul; c++) line += *c == '\n';
+  return cast_error_set(err, CAST_ERR_INPUT, "%s:%d: holds a NUL byte; text in UTF-8 is expected, not UTF-16 or binary",
+                        path, line);
+}
+
+static CastStatus read_file(const char *path, char **text, CastError *err)
+{
+  FILE *file = fopen(path, "rb");
+  CAST_CHECK(file, err, CAST_ERR_IO, "'%s' cannot be opened: %s", path, strerror(errno));
+  size_t n = 0;
+  char *bytes = read_bytes(file, &n);
+  const int failure = ferror(file) ? errno : 0;
+  fclose(file);
+  CAST_CHECK(bytes, err, CAST_ERR_MEMORY, "no memory to read '%s'", path);
+  CastStatus status = failure ? cast_error_set(err, CAST_ERR_IO, "'%s' cannot be read: %s", path, strerror(failure))
+                              : check_bytes(path, bytes, n, err);
+  if (status == CAST_OK)
+    *text = bytes;
+  else
+    free(bytes);
+  return status;
+}
+
+/* The text has passed yaml_input_scan(). */
+static CastStatus load_document(YamlInput *input, CastError *err)
 {
   yaml_parser_t parser;
-  CAST_CHECK(yaml_parser_initialize(&parser), err, CAST_ERR_MEMORY, "no memory to parse '%s'", input->path);
-  yaml_parser_set_input_string(&parser, (const unsigned char *)input->text, strlen(input->text));
+  CAST_CHECK(yaml_input_open_parser(input, &parser), err, CAST_ERR_MEMORY, "no memory to parse '%s'", input->path);
   CastStatus status = CAST_OK;
-  if (!yaml_parser_load(&parser, &input->document)) {
-    const size_t line = parser.problem_mark.line ? parser.problem_mark.line : parser.context_mark.line;
-    status = cast_error_set(err, CAST_ERR_INPUT, "%s:%zu: not YAML: %s%s%s", input->path, line + 1,
-                            parser.problem ? parser.problem : "unreadable", parser.context ? ", " : "",
-                            parser.context ? parser.context : "");
-  } else {
+  if (yaml_parser_load(&parser, &input->document))
     input->has_document = true;
-    yaml_document_t next;
-    if (!yaml_parser_load(&parser, &next)) {
-      status = cast_error_set(err, CAST_ERR_INPUT, "%s:%zu: not YAML: %s", input->path, parser.problem_mark.line + 1,
-                              parser.problem ? parser.problem : "unreadable");
-    } else {
-      const yaml_node_t *second = yaml_document_get_root_node(&next);
-      if (second)
-        status = cast_error_set(err, CAST_ERR_INPUT, "%s:%zu: a second document ('---') is not allowed here",
-                                input->path, second->start_mark.line + 1);
-      yaml_document_delete(&next);
-    }
-  }
+  else
+    status = yaml_input_syntax_error(input, &parser, err);
   yaml_parser_delete(&parser);
   return status;
 }
@@ -70,67 +76,63 @@ static const char *scalar_text(YamlInput *input, int index)
   return node && node->type == YAML_SCALAR_NODE ? (const char *)node->data.scalar.value : NULL;
 }
 
-static CastStatus link_children(YamlInput *input, int index, int depth, CastError *err);
+static CastStatus link_children(YamlInput *input, int index, CastError *err);
 
-static CastStatus link_child(YamlInput *input, int index, int child, int depth, CastError *err)
-{
-  const yaml_node_t *node = yaml_document_get_node(&input->document, child);
-  CAST_CHECK(input->parent[child] == 0 && child != 1, err, CAST_ERR_INPUT,
-             "%s:%zu: anchors and aliases are not used in these files", input->path, node->start_mark.line + 1);
-  CAST_CHECK(depth < MAX_DEPTH, err, CAST_ERR_INPUT, "%s:%zu: nested too deeply", input->path,
-             node->start_mark.line + 1);
-  input->parent[child] = index;
-  return link_children(input, child, depth + 1, err);
-}
-
-static CastStatus link_map(YamlInput *input, int index, int depth, CastError *err)
+/* yaml_input_scan() has limited the depth and refused aliases, so the recursion ends. */
+static CastStatus link_map(YamlInput *input, int index, CastError *err)
 {
   const yaml_node_t *node = yaml_document_get_node(&input->document, index);
-  for (yaml_node_pair_t *pair = node->data.mapping.pairs.start; pair < node->data.mapping.pairs.top; pair++) {
+  const yaml_node_pair_t *first = node->data.mapping.pairs.start, *end = node->data.mapping.pairs.top;
+  CAST_CHECK(end - first <= MAX_KEYS, err, CAST_ERR_INPUT, "%s:%zu: a map of more than %d keys", input->path,
+             node->start_mark.line + 1, MAX_KEYS);
+  for (const yaml_node_pair_t *pair = first; pair < end; pair++) {
     const char *key = scalar_text(input, pair->key);
-    const yaml_node_t *key_node = yaml_document_get_node(&input->document, pair->key);
-    CAST_CHECK(key, err, CAST_ERR_INPUT, "%s:%zu: a key must be a plain word", input->path,
-               key_node->start_mark.line + 1);
-    for (yaml_node_pair_t *other = node->data.mapping.pairs.start; other < pair; other++) {
-      const char *earlier = scalar_text(input, other->key);
-      CAST_CHECK(strcmp(earlier, key) != 0, err, CAST_ERR_INPUT, "%s:%zu: key '%s' appears a second time",
-                 input->path, key_node->start_mark.line + 1, key);
-    }
-    CAST_CALL(link_child(input, index, pair->value, depth, err));
+    const size_t line = yaml_document_get_node(&input->document, pair->key)->start_mark.line + 1;
+    CAST_CHECK(key && key[0], err, CAST_ERR_INPUT, "%s:%zu: a key must be a plain word", input->path, line);
+    for (const yaml_node_pair_t *other = first; other < pair; other++)
+      CAST_CHECK(strcmp(scalar_text(input, other->key), key) != 0, err, CAST_ERR_INPUT,
+                 "%s:%zu: key '%s' appears a second time", input->path, line, key);
+    input->parent[pair->value] = index;
     input->name[pair->value] = key;
+    input->key_line[pair->value] = (int)line;
+    CAST_CALL(link_children(input, pair->value, err));
   }
   return CAST_OK;
 }
 
-static CastStatus link_children(YamlInput *input, int index, int depth, CastError *err)
+static CastStatus link_children(YamlInput *input, int index, CastError *err)
 {
   const yaml_node_t *node = yaml_document_get_node(&input->document, index);
-  if (node->type == YAML_MAPPING_NODE) return link_map(input, index, depth, err);
+  if (node->type == YAML_MAPPING_NODE) return link_map(input, index, err);
   if (node->type != YAML_SEQUENCE_NODE) return CAST_OK;
   int position = 0;
   for (yaml_node_item_t *item = node->data.sequence.items.start; item < node->data.sequence.items.top; item++) {
-    CAST_CALL(link_child(input, index, *item, depth, err));
+    input->parent[*item] = index;
     input->position[*item] = position++;
+    CAST_CALL(link_children(input, *item, err));
   }
   return CAST_OK;
 }
 
 static CastStatus build(YamlInput *input, CastError *err)
 {
-  CAST_CALL(parse_document(input, err));
-  CAST_CHECK(yaml_document_get_root_node(&input->document), err, CAST_ERR_INPUT, "'%s' is empty", input->path);
+  CAST_CALL(yaml_input_scan(input, err));
+  CAST_CALL(load_document(input, err));
+  const yaml_node_t *root = yaml_document_get_root_node(&input->document);
+  CAST_CHECK(root, err, CAST_ERR_INPUT, "'%s' is empty", input->path);
   input->n_nodes = (int)(input->document.nodes.top - input->document.nodes.start);
   const size_t n = (size_t)input->n_nodes + 1;
   input->parent = calloc(n, sizeof *input->parent);
   input->name = calloc(n, sizeof *input->name);
+  input->key_line = calloc(n, sizeof *input->key_line);
   input->position = calloc(n, sizeof *input->position);
   input->asked = calloc(n, sizeof *input->asked);
   input->n_asked = calloc(n, sizeof *input->n_asked);
-  CAST_CHECK(input->parent && input->name && input->position && input->asked && input->n_asked, err, CAST_ERR_MEMORY,
-             "no memory for '%s'", input->path);
-  CAST_CHECK(yaml_document_get_root_node(&input->document)->type == YAML_MAPPING_NODE, err, CAST_ERR_INPUT,
-             "%s:1: a map of keys and values is expected ('key: value')", input->path);
-  return link_children(input, 1, 0, err);
+  CAST_CHECK(input->parent && input->name && input->key_line && input->position && input->asked && input->n_asked, err,
+             CAST_ERR_MEMORY, "no memory for '%s'", input->path);
+  CAST_CHECK(root->type == YAML_MAPPING_NODE, err, CAST_ERR_INPUT,
+             "%s:%zu: a map of keys and values is expected ('key: value')", input->path, root->start_mark.line + 1);
+  return link_children(input, 1, err);
 }
 
 /* Takes `text`. */
@@ -179,6 +181,7 @@ void yaml_input_destroy(YamlInput **input)
   free(old->problem);
   free(old->parent);
   free(old->name);
+  free(old->key_line);
   free(old->position);
   free(old->asked);
   free(old->n_asked);

@@ -28,7 +28,9 @@ typedef struct YamlRange { // allowed values, in SI
 #define YAML_POSITIVE ((YamlRange){0.0, INFINITY, true})
 #define YAML_NON_NEGATIVE ((YamlRange){0.0, INFINITY, false})
 
-/* Read the file; syntax errors and duplicate keys name the line. Errors: CAST_ERR_IO, CAST_ERR_INPUT. */
+/* Read the file: one document of plain YAML in UTF-8, at most 4 MiB and 32 levels deep, its root a map. Syntax errors,
+ * duplicate keys, anchors, aliases and tags are refused with their line. Errors: CAST_ERR_IO, CAST_ERR_INPUT,
+ * CAST_ERR_MEMORY. */
 CastStatus yaml_input_load(const char *path, YamlInput **input, CastError *err);
 /* The same from text; `name` stands for the file in messages. */
 CastStatus yaml_input_parse(const char *text, const char *name, YamlInput **input, CastError *err);
@@ -39,7 +41,7 @@ const char *yaml_input_path(const YamlInput *input);
 
 YamlNode yaml_root(YamlInput *input);
 bool yaml_exists(YamlNode node);
-int yaml_line(YamlNode node); // 1-based; 0 if absent
+int yaml_line(YamlNode node);                                      // 1-based, of its key for a block; 0 if absent
 void yaml_input_extent(YamlNode node, size_t *start, size_t *end); // bytes of the node in the text
 YamlNode yaml_get(YamlNode map, const char *key);     // absent if there is no such key; the key counts as known
 YamlNode yaml_require(YamlNode map, const char *key); // the same, but a missing key is a problem
@@ -61,10 +63,10 @@ int yaml_choice(YamlNode node, const char *const *choices, int fallback);
 /* A vector of three quantities: "[0 mm, 0 mm, 3 mm]" or one unit for all: "0 0 3 mm"; false (and a problem) if not. */
 bool yaml_vector(YamlNode node, const char *si_unit, double value[3]);
 
-/* Record a problem at the node's line: "mould.yaml:14: mesh.cavity_size: <message>". */
+/* Record a problem at the node's line: "mould.yaml:14: mesh.cavity_size: <message>". Items of a list count from 1. */
 void yaml_problem(YamlNode node, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* CAST_OK, or CAST_ERR_INPUT with every problem on a line of its own, unknown keys (and the keys allowed there)
- * included. */
+/* CAST_OK, or CAST_ERR_INPUT with every problem on a line of its own, sorted by line, unknown keys (and the keys
+ * allowed there) included; what does not fit into the message is counted at its end. */
 CastStatus yaml_input_finish(YamlInput *input, CastError *err);
 
 #endif

@@ -1,7 +1,9 @@
 /* yaml_input_get.c - walking the document and reading its scalars. */
 #include "common/yaml_input_private.h"
 
+#include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,17 +25,47 @@ bool yaml_exists(YamlNode node)
   return node.index > 0;
 }
 
+static bool is_block(const yaml_node_t *node)
+{
+  return (node->type == YAML_MAPPING_NODE && node->data.mapping.style == YAML_BLOCK_MAPPING_STYLE) ||
+         (node->type == YAML_SEQUENCE_NODE && node->data.sequence.style == YAML_BLOCK_SEQUENCE_STYLE);
+}
+
+/* A block's own mark stands at its first entry, lines below the key that holds it, where people look. */
 int yaml_line(YamlNode node)
 {
   const yaml_node_t *found = yaml_input_node(node);
-  return found ? (int)found->start_mark.line + 1 : 0;
+  if (!found) return 0;
+  const int key_line = node.input->key_line[node.index];
+  return key_line && is_block(found) ? key_line : (int)found->start_mark.line + 1;
+}
+
+/* libyaml's marks count characters, and a block's end mark stands behind the comments that follow it. */
+static size_t end_character(YamlInput *input, int index)
+{
+  const yaml_node_t *node = yaml_document_get_node(&input->document, index);
+  const size_t n = yaml_count((YamlNode){input, index});
+  if (n == 0 || !is_block(node)) return node->end_mark.index;
+  return end_character(input, node->type == YAML_MAPPING_NODE ? node->data.mapping.pairs.start[n - 1].value
+                                                              : node->data.sequence.items.start[n - 1]);
+}
+
+static size_t byte_of_character(const char *text, size_t character)
+{
+  size_t byte = 0;
+  while (text[byte] && character > 0)
+    if (((unsigned char)text[++byte] & 0xc0) != 0x80) character--; // not a continuation byte of UTF-8
+  return byte;
 }
 
 void yaml_input_extent(YamlNode node, size_t *start, size_t *end)
 {
+  *start = *end = 0;
   const yaml_node_t *found = yaml_input_node(node);
-  *start = found ? found->start_mark.index : 0;
-  *end = found ? found->end_mark.index : 0;
+  if (!found) return;
+  *start = byte_of_character(node.input->text, found->start_mark.index);
+  *end = byte_of_character(node.input->text, end_character(node.input, node.index));
+  while (*end > *start && isspace((unsigned char)node.input->text[*end - 1])) --*end;
 }
 
 static bool has_type(YamlNode node, yaml_node_type_t type)
@@ -76,7 +108,7 @@ YamlNode yaml_get(YamlNode map, const char *key)
   const yaml_node_t *node = yaml_input_node(map);
   if (!node) return absent;
   if (node->type != YAML_MAPPING_NODE) {
-    yaml_problem(map, "a map of keys and values is expected ('%s: ...')", key);
+    yaml_problem(map, "a map of keys and values is expected here");
     return absent;
   }
   yaml_input_ask(map, key);
@@ -131,22 +163,25 @@ const char *yaml_string(YamlNode node, const char *fallback)
 {
   if (!yaml_exists(node)) return fallback;
   const yaml_node_t *found = yaml_input_node(node);
-  if (found->type != YAML_SCALAR_NODE || found->data.scalar.length == 0) {
-    yaml_problem(node, "a text is expected here");
-    return fallback;
-  }
-  return (const char *)found->data.scalar.value;
+  if (found->type == YAML_SCALAR_NODE && found->data.scalar.length > 0) return (const char *)found->data.scalar.value;
+  yaml_problem(node, "a single value is expected here, %s",
+               found->type == YAML_SCALAR_NODE    ? "there is none"
+               : found->type == YAML_MAPPING_NODE ? "not a map"
+                                                  : "not a list");
+  return fallback;
 }
 
 static void range_problem(YamlNode node, const char *text, const char *unit, YamlRange range)
 {
-  const char *shown = strcmp(unit, "1") == 0 ? "" : unit;
+  const char *shown = strcmp(unit, "1") == 0 ? "" : unit, *space = shown[0] ? " " : "";
+  const char *least = range.min_excluded ? "above" : "of at least";
   if (isinf(range.max))
-    yaml_problem(node, "'%s' is not allowed: a value %s %g %s is expected", text, range.min_excluded ? "above" : "of at least",
-                 range.min, shown);
+    yaml_problem(node, "'%s' is not allowed: a value %s %g%s%s is expected", text, least, range.min, space, shown);
+  else if (isinf(range.min))
+    yaml_problem(node, "'%s' is not allowed: a value of at most %g%s%s is expected", text, range.max, space, shown);
   else
-    yaml_problem(node, "'%s' is not allowed: a value from %g%s to %g %s is expected", text, range.min,
-                 range.min_excluded ? " (not included)" : "", range.max, shown);
+    yaml_problem(node, "'%s' is not allowed: a value %s %g and of at most %g%s%s is expected", text, least, range.min,
+                 range.max, space, shown);
 }
 
 static bool in_range(double value, YamlRange range)
@@ -183,7 +218,10 @@ long yaml_integer(YamlNode node, long min, long max, long fallback)
     return fallback;
   }
   if (value < min || value > max) {
-    yaml_problem(node, "%ld is not allowed: a whole number from %ld to %ld is expected", value, min, max);
+    if (max == LONG_MAX)
+      yaml_problem(node, "%ld is not allowed: a whole number of at least %ld is expected", value, min);
+    else
+      yaml_problem(node, "%ld is not allowed: a whole number from %ld to %ld is expected", value, min, max);
     return fallback;
   }
   return value;
@@ -235,7 +273,7 @@ static bool vector_of_text(YamlNode node, const char *si_unit, double value[3])
   for (int d = 0; d < 3; d++) {
     char quantity[512];
     CastError err;
-    snprintf(quantity, sizeof quantity, "%s %.256s", number[d], rest);
+    snprintf(quantity, sizeof quantity, "%s%.256s", number[d], rest);
     if (units_convert(quantity, si_unit, &value[d], &err) != CAST_OK) {
       yaml_problem(node, "%s", err.message);
       return false;

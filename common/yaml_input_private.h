@@ -14,15 +14,24 @@ struct YamlInput {
   char *path, *text;
   yaml_document_t document;
   bool has_document;
-  int n_nodes;         // nodes are numbered 1..n_nodes
-  int *parent;         // [n_nodes + 1] map or sequence that holds the node; 0: root
-  const char **name;   // [n_nodes + 1] key under which a map holds the node; NULL in a sequence
-  int *position;       // [n_nodes + 1] place in a sequence
-  char ***asked;       // [n_nodes + 1] for each map the keys asked for (owned strings)
-  size_t *n_asked;     // [n_nodes + 1]
+  int n_nodes;       // nodes are numbered 1..n_nodes
+  int *parent;       // [n_nodes + 1] map or sequence that holds the node; 0: root
+  const char **name; // [n_nodes + 1] key under which a map holds the node; NULL in a sequence
+  int *key_line;     // [n_nodes + 1] line of that key, 1-based; 0 in a sequence
+  int *position;     // [n_nodes + 1] place in a sequence
+  char ***asked;     // [n_nodes + 1] for each map the keys asked for (owned strings)
+  size_t *n_asked;   // [n_nodes + 1]
   size_t n_problems;
   YamlProblem *problem;
+  bool problem_lost; // for want of memory
 };
+
+/* What libyaml's loader cannot tell, on the bare events: syntax, UTF-8, depth, one document, no anchors, aliases, tags
+ * or NUL characters. Afterwards input->text is safe to load. Errors: CAST_ERR_INPUT with the line; CAST_ERR_MEMORY. */
+CastStatus yaml_input_scan(const YamlInput *input, CastError *err);
+CastStatus yaml_input_syntax_error(const YamlInput *input, const yaml_parser_t *parser, CastError *err);
+/* A parser on the text; false without memory. */
+bool yaml_input_open_parser(const YamlInput *input, yaml_parser_t *parser);
 
 yaml_node_t *yaml_input_node(YamlNode node);
 void yaml_input_ask(YamlNode map, const char *key);

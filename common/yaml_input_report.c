@@ -19,25 +19,29 @@ void yaml_input_name(YamlNode node, char *buffer, size_t size)
     snprintf(buffer + used, size - used, "[%d]", input->position[node.index] + 1);
 }
 
-static void add_problem(YamlInput *input, int line, const char *text)
+/* Takes `text`; NULL: there was no memory for it. */
+static void add_problem(YamlInput *input, int line, char *text)
 {
-  YamlProblem *longer = realloc(input->problem, (input->n_problems + 1) * sizeof *longer);
-  if (!longer) return;
+  YamlProblem *longer = text ? realloc(input->problem, (input->n_problems + 1) * sizeof *longer) : NULL;
+  if (!longer) {
+    free(text);
+    input->problem_lost = true;
+    return;
+  }
   input->problem = longer;
-  longer[input->n_problems] = (YamlProblem){line, strdup(text)};
-  if (longer[input->n_problems].text) input->n_problems++;
+  longer[input->n_problems++] = (YamlProblem){line, text};
 }
 
 void yaml_problem(YamlNode node, const char *format, ...)
 {
-  char name[512], text[2048];
+  char name[512], text[sizeof((CastError *)NULL)->message];
   yaml_input_name(node, name, sizeof name);
-  int used = name[0] ? snprintf(text, sizeof text, "%s: ", name) : 0;
+  const int used = name[0] ? snprintf(text, sizeof text, "%s: ", name) : 0;
   va_list arguments;
   va_start(arguments, format);
   vsnprintf(text + used, sizeof text - (size_t)used, format, arguments);
   va_end(arguments);
-  add_problem(node.input, yaml_line(node), text);
+  add_problem(node.input, yaml_line(node), strdup(text));
 }
 
 /* Edit distance, for "did you mean"; words longer than 63 letters are not compared. */
@@ -70,7 +74,7 @@ static void unknown_key(YamlNode map, const yaml_node_t *key_node)
   for (size_t i = 0; i < input->n_asked[map.index]; i++) {
     const char *candidate = input->asked[map.index][i];
     const int d = distance(key, candidate);
-    if (d < best) {
+    if (d < best && 2 * (size_t)d <= strlen(key)) {
       best = d;
       closest = candidate;
     }
@@ -80,7 +84,7 @@ static void unknown_key(YamlNode map, const yaml_node_t *key_node)
   yaml_input_name(map, name, sizeof name);
   snprintf(text, sizeof text, "%s%sunknown key '%.200s'%s%.100s%s; allowed here: %s", name, name[0] ? ": " : "", key,
            closest ? " (did you mean '" : "", closest ? closest : "", closest ? "'?)" : "", allowed);
-  add_problem(map.input, (int)key_node->start_mark.line + 1, text);
+  add_problem(map.input, (int)key_node->start_mark.line + 1, strdup(text));
 }
 
 static void find_unknown_keys(YamlInput *input)
@@ -106,19 +110,39 @@ static int by_line(const void *a, const void *b)
   return strcmp(left->text, right->text);
 }
 
+static bool repeats_previous(const YamlInput *input, size_t i)
+{
+  return i > 0 && by_line(&input->problem[i], &input->problem[i - 1]) == 0;
+}
+
+/* One problem a line, as many as fit, and then how many did not. */
+static void list_problems(const YamlInput *input, CastError *err)
+{
+  enum { RESERVE = 64 };
+  size_t used = 0;
+  for (size_t i = 0; i < input->n_problems; i++) {
+    if (repeats_previous(input, i)) continue;
+    const YamlProblem *problem = &input->problem[i];
+    char line[32] = "";
+    if (problem->line > 0) snprintf(line, sizeof line, ":%d", problem->line);
+    const size_t room = sizeof err->message - RESERVE - used;
+    const int length =
+        snprintf(err->message + used, room, "%s%s%s: %s", used ? "\n" : "", input->path, line, problem->text);
+    if (length < 0 || ((size_t)length >= room && used > 0)) {
+      snprintf(err->message + used, RESERVE, "\n... and %zu more", input->n_problems - i);
+      return;
+    }
+    used = strlen(err->message);
+  }
+}
+
 CastStatus yaml_input_finish(YamlInput *input, CastError *err)
 {
   find_unknown_keys(input);
+  CAST_CHECK(!input->problem_lost, err, CAST_ERR_MEMORY, "no memory to list what is wrong with '%s'", input->path);
   if (input->n_problems == 0) return CAST_OK;
   qsort(input->problem, input->n_problems, sizeof *input->problem, by_line);
-  CastStatus status = cast_error_set(err, CAST_ERR_INPUT, "%s", "");
-  for (size_t i = 0; err && i < input->n_problems; i++) {
-    const size_t used = strlen(err->message);
-    if (i > 0 && strcmp(input->problem[i].text, input->problem[i - 1].text) == 0 &&
-        input->problem[i].line == input->problem[i - 1].line)
-      continue;
-    snprintf(err->message + used, sizeof err->message - used, "%s%s:%d: %s", used ? "\n" : "", input->path,
-             input->problem[i].line, input->problem[i].text);
-  }
+  const CastStatus status = cast_error_set(err, CAST_ERR_INPUT, "%s", "");
+  if (err) list_problems(input, err);
   return status;
 }

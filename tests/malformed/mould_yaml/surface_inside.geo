@@ -1,0 +1,14 @@
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 4, 4, 4};
+Box(2) = {1, 1, 2, 2, 2, 3};
+body() = BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; };
+Box(100) = {0, 0, -1, 4, 4, 1};
+e = 1e-3;
+cup() = Surface In BoundingBox{1 - e, 1 - e, 2 - e, 3 + e, 3 + e, 4 + e};
+Coherence;
+hull() = Surface{:};
+hull() -= cup();
+Physical Volume("body") = {body()};
+Physical Volume("base") = {100};
+Physical Surface("cup") = {cup()};
+Physical Surface("hull") = {hull()};

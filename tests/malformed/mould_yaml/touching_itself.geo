@@ -1,0 +1,17 @@
+SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 2, 2, 2};
+Box(2) = {2, 2, 0, 2, 2, 2};
+Box(3) = {0, 0, -1, 4, 4, 1};
+Coherence;
+e = 1e-3;
+cup() = Surface In BoundingBox{2 - e, 2 - e, -e, 4 + e, 4 + e, 2 + e};
+seam() = Surface In BoundingBox{2 - e, 2 - e, -e, 4 + e, 4 + e, e};
+low() = Surface In BoundingBox{-e, -e, -e, 2 + e, 2 + e, e};
+cup() -= seam();
+hull() = Surface{:};
+hull() -= cup();
+hull() -= seam();
+hull() -= low();
+Physical Volume("body") = {Volume{:}};
+Physical Surface("cup") = {cup()};
+Physical Surface("hull") = {hull()};

@@ -1,0 +1,262 @@
+/* Sums over pairs: what they conserve, what leaves the melt alone, and that the fast path computes the formulas. */
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "cast/kernel/pair.h"
+#include "cast/physics/sph.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/shaped_mould.h"
+
+enum { SIDE = 9, N = SIDE * SIDE * SIDE, KINDS = 4 };
+static const double spacing = 1e-3;
+
+static void ok(CastStatus status, const CastError *err)
+{
+  if (status != CAST_OK) fail_msg("%s", err->message);
+}
+
+/* Smoothing length that gives each kernel the same support, 2.6 spacings. */
+static SphParameters melt_parameters(KernelKind kernel)
+{
+  return (SphParameters){.kernel = kernel,
+                         .h = 2.6 * spacing / kernel_support(kernel),
+                         .spacing = spacing,
+                         .rho0 = 6900.0,
+                         .c0 = 30.0,
+                         .gamma = 7.0,
+                         .delta = 0.1,
+                         .alpha = 0.05};
+}
+
+typedef struct Cloud {
+  SphParameters sph;
+  Particles p;
+  Neighbours *nb;
+} Cloud;
+
+/* A free cube of melt: particles off their lattice by up to a fifth of a spacing. */
+static Cloud make_cloud(KernelKind kernel)
+{
+  Cloud cloud = {.sph = melt_parameters(kernel)};
+  static double x[3][N];
+  unsigned long long seed = 5;
+  for (int i = 0; i < N; i++) {
+    const int at[3] = {i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE)};
+    for (int d = 0; d < 3; d++) x[d][i] = spacing * (at[d] + 0.4 * random_unit(&seed) - 0.2);
+  }
+  CastError err;
+  double *const places[3] = {x[0], x[1], x[2]};
+  ok(particles_create(N, places, spacing, cloud.sph.rho0, NULL, &cloud.p, &err), &err);
+  ok(neighbours_create(kernel_support(kernel) * cloud.sph.h, neighbours_skin(spacing), NULL, &cloud.nb, &err), &err);
+  ok(neighbours_update(cloud.nb, &cloud.p, false, NULL, &err), &err);
+  return cloud;
+}
+
+static void disturb(Cloud *cloud)
+{
+  Particles *p = &cloud->p;
+  unsigned long long seed = 13;
+  for (int i = 0; i < N; i++) {
+    for (int d = 0; d < 3; d++) p->v[d][i] = random_unit(&seed) - 0.5;
+    p->rho[i] = cloud->sph.rho0 * (1.0 + 0.02 * (random_unit(&seed) - 0.5));
+    p->T[i] = 1000.0 + 500.0 * random_unit(&seed);
+    p->kappa[i] = 1.0 + 100.0 * random_unit(&seed);
+    p->mu[i] = 1e-2 * random_unit(&seed);
+  }
+}
+
+static void destroy(Cloud *cloud)
+{
+  neighbours_destroy(&cloud->nb);
+  particles_destroy(&cloud->p);
+}
+
+static void pair_forces_conserve_momentum(void **unused)
+{
+  (void)unused;
+  for (int kind = 0; kind < KINDS; kind++) {
+    Cloud cloud = make_cloud((KernelKind)kind);
+    disturb(&cloud);
+    sph_rates(&cloud.sph, &cloud.p, cloud.nb);
+    for (int d = 0; d < 3; d++) {
+      double sum = 0.0, size = 0.0;
+      for (int i = 0; i < N; i++) {
+        sum += cloud.p.mass[i] * cloud.p.a[d][i];
+        size += fabs(cloud.p.mass[i] * cloud.p.a[d][i]);
+      }
+      assert_close(sum / size, 0.0, 1e-14); // rounding of some 1e5 pairs of random sign
+    }
+    destroy(&cloud);
+  }
+}
+
+static void pair_heat_sums_to_zero(void **unused)
+{
+  (void)unused;
+  for (int kind = 0; kind < KINDS; kind++) {
+    Cloud cloud = make_cloud((KernelKind)kind);
+    disturb(&cloud);
+    sph_rates(&cloud.sph, &cloud.p, cloud.nb);
+    long double sum = 0.0L; // so that this sum adds no rounding of its own
+    double size = 0.0;
+    for (int i = 0; i < N; i++) {
+      sum += cloud.p.heat[i];
+      size += fabs(cloud.p.heat[i]);
+    }
+    assert_close((double)sum / size, 0.0, 4.0 * DBL_EPSILON); // each row's sum is rounded
+    destroy(&cloud);
+  }
+}
+
+static void density_diffusion_conserves_mass(void **unused)
+{
+  (void)unused;
+  Cloud cloud = make_cloud(KERNEL_WENDLAND_C2);
+  cloud.sph.gravity[2] = -100.0;
+  disturb(&cloud);
+  for (int d = 0; d < 3; d++) memset(cloud.p.v[d], 0, N * sizeof(double));
+  sph_rates(&cloud.sph, &cloud.p, cloud.nb);
+  double sum = 0.0, size = 0.0;
+  for (int i = 0; i < N; i++) {
+    sum += cloud.p.volume[i] * cloud.p.drho[i];
+    size += fabs(cloud.p.volume[i] * cloud.p.drho[i]);
+  }
+  assert_close(sum / size, 0.0, 1e-14);
+  destroy(&cloud);
+}
+
+/* Two particles alone: the sums are one term each, written out here from the published formulas. */
+static void a_lone_pair_feels_the_formulas(void **unused)
+{
+  (void)unused;
+  for (int kind = 0; kind < KINDS; kind++) {
+    SphParameters sph = melt_parameters((KernelKind)kind);
+    double x[2] = {0.0, 0.9e-3}, y[2] = {0.0, -0.4e-3}, z[2] = {0.0, 0.7e-3};
+    double *const places[3] = {x, y, z};
+    CastError err;
+    Particles p;
+    Neighbours *nb = NULL;
+    ok(particles_create(2, places, spacing, sph.rho0, NULL, &p, &err), &err);
+    ok(neighbours_create(2.6e-3, 0.0, NULL, &nb, &err), &err);
+    ok(neighbours_update(nb, &p, false, NULL, &err), &err);
+    const int i = p.id[0] == 0 ? 0 : 1, j = 1 - i;
+    const double vi[3] = {0.3, 0.1, -0.2}, vj[3] = {-0.1, 0.2, -0.5};
+    for (int d = 0; d < 3; d++) {
+      p.v[d][i] = vi[d];
+      p.v[d][j] = vj[d];
+    }
+    p.rho[i] = 6950.0, p.rho[j] = 6890.0, p.T[i] = 1300.0, p.T[j] = 1400.0;
+    p.kappa[i] = 30.0, p.kappa[j] = 60.0, p.mu[i] = 5e-3, p.mu[j] = 20e-3;
+    sph_rates(&sph, &p, nb);
+
+    const double d[3] = {-0.9e-3, 0.4e-3, -0.7e-3}, u[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
+    const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], ud = u[0] * d[0] + u[1] * d[1] + u[2] * d[2];
+    const double F = kernel_slope(sph.kernel, sqrt(r2), sph.h), m = sph.rho0 * 1e-9;
+    const double B = sph.rho0 * sph.c0 * sph.c0 / 7.0, si = 6950.0 / 6900.0, sj = 6890.0 / 6900.0;
+    const double Pi = B * (pow(si, 7) - 1.0) / (6950.0 * 6950.0), Pj = B * (pow(sj, 7) - 1.0) / (6890.0 * 6890.0);
+    assert_true(ud < 0.0); // they approach: artificial viscosity acts
+    const double artificial = -sph.alpha * sph.c0 * sph.h * ud / (r2 + 0.01 * sph.h * sph.h) / sph.rho0;
+    const double mu = 4.0 * 5e-3 * 20e-3 / 25e-3, kappa = 4.0 * 30.0 * 60.0 / 90.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double a = m * (Pi + Pj + artificial) * F * d[axis] - m * mu / (6950.0 * 6890.0) * F * u[axis];
+      assert_close(p.a[axis][i] / a, 1.0, 1e-12);
+      assert_close(p.a[axis][j] / -a, 1.0, 1e-12);
+    }
+    const double eta_i = sph.rho0 * (pow(si, 6) - 1.0) / 6.0, eta_j = sph.rho0 * (pow(sj, 6) - 1.0) / 6.0;
+    const double Vi = m / 6950.0, Vj = m / 6890.0, spread = 2.0 * sph.delta * sph.h * sph.c0 * (eta_j - eta_i);
+    assert_close(p.drho[i] / (Vj * F * (-6950.0 * ud + spread)), 1.0, 1e-12);
+    assert_close(p.drho[j] / (Vi * F * (-6890.0 * ud - spread)), 1.0, 1e-12);
+    assert_close(p.heat[i] / (Vi * Vj * kappa * 100.0 * F), 1.0, 1e-12);
+    assert_true(p.heat[i] == -p.heat[j]); // to the last bit
+    neighbours_destroy(&nb);
+    particles_destroy(&p);
+  }
+}
+
+/* The paper's v_i + v_j would brake it. */
+static void a_melt_moving_as_one_feels_no_force(void **unused)
+{
+  (void)unused;
+  Cloud cloud = make_cloud(KERNEL_WENDLAND_C2);
+  for (int i = 0; i < N; i++) {
+    cloud.p.v[0][i] = 3.0;
+    cloud.p.v[2][i] = -2.0;
+    cloud.p.mu[i] = 1.0;
+  }
+  sph_rates(&cloud.sph, &cloud.p, cloud.nb);
+  for (int i = 0; i < N; i++) {
+    for (int d = 0; d < 3; d++) assert_true(cloud.p.a[d][i] == 0.0);
+    assert_true(cloud.p.drho[i] == 0.0);
+  }
+  destroy(&cloud);
+}
+
+static void a_melt_turning_as_one_keeps_its_density(void **unused)
+{
+  (void)unused;
+  Cloud cloud = make_cloud(KERNEL_WENDLAND_C2);
+  for (int i = 0; i < N; i++) {
+    cloud.p.v[0][i] = -100.0 * cloud.p.x[1][i];
+    cloud.p.v[1][i] = 100.0 * cloud.p.x[0][i];
+  }
+  sph_rates(&cloud.sph, &cloud.p, cloud.nb);
+  for (int i = 0; i < N; i++) // u.d is a sum of two equal products of opposite sign; 100 1/s is the rate of the flow
+    assert_close(cloud.p.drho[i] / (cloud.sph.rho0 * 100.0), 0.0, 1e-13);
+  destroy(&cloud);
+}
+
+/* sph_forces and sph_conduction take the plain path that decides as it goes, sph_rates the one compiled for this machine. */
+static void fast_and_plain_path_agree(void **unused)
+{
+  (void)unused;
+  for (int kind = 0; kind < KINDS; kind++) {
+    Cloud cloud = make_cloud((KernelKind)kind);
+    disturb(&cloud);
+    cloud.sph.gravity[1] = 9.81;
+    static double drho[N], heat[N], a[3][N];
+    sph_rates(&cloud.sph, &cloud.p, cloud.nb);
+    memcpy(drho, cloud.p.drho, sizeof drho);
+    memcpy(heat, cloud.p.heat, sizeof heat);
+    for (int d = 0; d < 3; d++) memcpy(a[d], cloud.p.a[d], sizeof a[d]);
+    for (int d = 0; d < 3; d++) memset(cloud.p.a[d], 0, sizeof a[d]);
+    memset(cloud.p.heat, 0, sizeof heat);
+    memset(cloud.p.drho, 0, sizeof drho);
+    sph_forces(&cloud.sph, &cloud.p, cloud.nb);
+    for (int i = 0; i < N; i++) assert_true(cloud.p.heat[i] == 0.0);
+    sph_conduction(&cloud.sph, &cloud.p, cloud.nb);
+    double most_drho = 0.0, most_heat = 0.0, most_a = 0.0;
+    for (int i = 0; i < N; i++) {
+      most_drho = fmax(most_drho, fabs(drho[i]));
+      most_heat = fmax(most_heat, fabs(heat[i]));
+      most_a = fmax(most_a, fabs(a[0][i]));
+    }
+    for (int i = 0; i < N; i++) { // sums of some 100 terms in another order, with or without fused multiply-add
+      assert_close(cloud.p.drho[i], drho[i], 1e-13 * most_drho);
+      assert_close(cloud.p.heat[i], heat[i], 1e-13 * most_heat);
+      for (int d = 0; d < 3; d++) assert_close(cloud.p.a[d][i], a[d][i], 1e-13 * most_a);
+    }
+    destroy(&cloud);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pair_forces_conserve_momentum),
+      cmocka_unit_test(pair_heat_sums_to_zero),
+      cmocka_unit_test(density_diffusion_conserves_mass),
+      cmocka_unit_test(a_lone_pair_feels_the_formulas),
+      cmocka_unit_test(a_melt_moving_as_one_feels_no_force),
+      cmocka_unit_test(a_melt_turning_as_one_keeps_its_density),
+      cmocka_unit_test(fast_and_plain_path_agree),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

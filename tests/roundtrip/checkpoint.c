@@ -1,0 +1,214 @@
+/* A run that was interrupted and resumed goes on with the bits of one that never was: particles, mould, ledger and
+ * files. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "cast/sim.h"
+#include "tests/support/cast_case.h"
+
+static CastCase casting;
+
+static int set_up(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
+  fprintf(stderr, "%s\n", err.message);
+  return 1;
+}
+
+static int clean_up(void **state)
+{
+  (void)state;
+  cast_case_remove(&casting);
+  return 0;
+}
+
+static void ok(CastStatus status, const CastError *err)
+{
+  if (status != CAST_OK) fail_msg("%s", err->message);
+}
+
+typedef struct Run {
+  CastConfig *config;
+  Sim *sim;
+  char folder[128];
+} Run;
+
+/* A run named `name`, ready to go. Fast melt, so that lists are rebuilt often; a level and a tracer, so that all is
+ * used. */
+static Run start(const char *name, const char *coupling)
+{
+  const CastCaseInput input = {.coupling = coupling,
+                               .time = "{ end: 1.2 ms }",
+                               .output =
+                                   "  curves_every: 0.1 ms\n  probes: [{ name: pin, position: [0 mm, 0 mm, -5 mm] }]\n"
+                                   "  tracers: [{ name: '1', nearest: [0 mm, 0 mm, -4 mm] }]\n"};
+  CastError err = {0};
+  Run run = {0};
+  char path[128];
+  ok(cast_case_input(&casting, name, &input, path, &err), &err);
+  snprintf(run.folder, sizeof run.folder, "%.60s/%.60s", casting.folder, name);
+  mkdir(run.folder, 0777);
+  ok(cast_config_read(path, NULL, &run.config, &err), &err);
+  ok(sim_create(run.config, NULL, &run.sim, &err), &err);
+  ok(sim_open_output(run.sim, "test", &err), &err);
+  return run;
+}
+
+static void finish(Run *run)
+{
+  sim_destroy(&run->sim);
+  cast_config_destroy(&run->config);
+}
+
+static void assert_same_state(const Sim *a, const Sim *b)
+{
+  const Particles *p = sim_particles(a), *q = sim_particles(b);
+  assert_true(sim_time(a) == sim_time(b) && sim_steps(a) == sim_steps(b));
+  assert_int_equal(p->n, q->n);
+  ParticleField field[PARTICLE_FIELDS], other[PARTICLE_FIELDS];
+  particles_fields(p, field);
+  particles_fields(q, other);
+  for (int f = 0; f < PARTICLE_FIELDS; f++)
+    if (memcmp(field[f].data, other[f].data, (size_t)p->n_fluid * sizeof(double)) != 0)
+      fail_msg("%s differs", field[f].name);
+  assert_memory_equal(p->id, q->id, (size_t)p->n_fluid * sizeof *p->id);
+  const size_t n = rom_state_size(sim_mould(a));
+  double *z = malloc(2 * n * sizeof *z);
+  assert_non_null(z);
+  rom_state_save(sim_mould(a), z);
+  rom_state_save(sim_mould(b), z + n);
+  assert_memory_equal(z, z + n, n * sizeof *z);
+  free(z);
+  const EnergyLedger e = sim_ledger(a), g = sim_ledger(b);
+  assert_memory_equal(&e, &g, sizeof e);
+}
+
+/* The bytes of a file after its '#' lines, which tell of host and time. */
+static char *file_rows(const char *folder, const char *name)
+{
+  char path[256];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  FILE *file = fopen(path, "r");
+  if (!file) fail_msg("there is no %s", path);
+  char *text = calloc(1 << 20, 1);
+  assert_non_null(text);
+  assert_true(fread(text, 1, (1 << 20) - 1, file) > 0);
+  fclose(file);
+  char *rows = text;
+  while (*rows == '#') rows = strchr(rows, '\n') + 1;
+  memmove(text, rows, strlen(rows) + 1);
+  return text;
+}
+
+static void assert_same_files(const Run *a, const Run *b)
+{
+  static const char *const names[] = {"probes.csv", "tracers.csv", "ledger.csv", "results.xmf", "mould.xmf"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    char *u = file_rows(a->folder, names[k]), *w = file_rows(b->folder, names[k]);
+    if (strcmp(u, w) != 0) fail_msg("%s differs", names[k]);
+    free(u);
+    free(w);
+  }
+}
+
+/* Interrupted by the signal's flag after some steps; resumed with another number of threads. */
+static void check_coupling(const char *kind, const char *coupling)
+{
+  CastError err = {0};
+  char whole_name[32], broken_name[32];
+  snprintf(whole_name, sizeof whole_name, "whole_%s", kind);
+  snprintf(broken_name, sizeof broken_name, "broken_%s", kind);
+  Run whole = start(whole_name, coupling), broken = start(broken_name, coupling);
+  SimEnd end;
+  omp_set_num_threads(2);
+  ok(sim_run(whole.sim, NULL, &end, &err), &err);
+  assert_int_equal(end, SIM_FINISHED);
+  while (sim_time(broken.sim) < 0.55e-3) ok(sim_step(broken.sim, &err), &err);
+  volatile sig_atomic_t stop = 1;
+  ok(sim_run(broken.sim, &stop, &end, &err), &err);
+  assert_int_equal(end, SIM_INTERRUPTED);
+  assert_true(sim_time(broken.sim) < 1.0e-3);
+  finish(&broken);
+  omp_set_num_threads(1);
+  ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
+  ok(sim_run(broken.sim, NULL, &end, &err), &err);
+  assert_int_equal(end, SIM_FINISHED);
+  assert_same_state(whole.sim, broken.sim);
+  finish(&whole);
+  finish(&broken);
+}
+
+static void a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_coupling(void **state)
+{
+  (void)state;
+  check_coupling("surface", "{ kind: surface }");
+}
+
+static void a_resumed_run_has_the_bits_of_an_unbroken_one_with_embedded_coupling(void **state)
+{
+  (void)state;
+  check_coupling("embedded", "{ kind: embedded }");
+}
+
+/* The first steps are made with sim_run here, so that frames and rows are written; then what was written after the
+ * checkpoint is cut off again. */
+static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  SimEnd end;
+  Run whole = start("files_whole", NULL), broken = start("files_broken", NULL);
+  ok(sim_run(whole.sim, NULL, &end, &err), &err);
+  sim_request_checkpoint(broken.sim); // taken at the first rebuild; the run goes on beyond it to the end
+  ok(sim_run(broken.sim, NULL, &end, &err), &err);
+  finish(&broken);
+  ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
+  assert_true(sim_time(broken.sim) < 1.0e-3);
+  ok(sim_run(broken.sim, NULL, &end, &err), &err);
+  assert_same_state(whole.sim, broken.sim);
+  assert_same_files(&whole, &broken);
+  finish(&whole);
+  finish(&broken);
+}
+
+static void a_run_does_not_go_on_with_another_rom(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  SimEnd end;
+  volatile sig_atomic_t stop = 1;
+  Run run = start("other_rom", NULL);
+  ok(sim_run(run.sim, &stop, &end, &err), &err);
+  finish(&run);
+  char path[160];
+  snprintf(path, sizeof path, "%s/mould.rom.h5", casting.folder);
+  FILE *rom = fopen(path, "ab"); // one byte behind the data: the same model, another file
+  assert_non_null(rom);
+  fputc(0, rom);
+  fclose(rom);
+  assert_int_equal(sim_resume(run.folder, NULL, "test", &run.config, &run.sim, &err), CAST_ERR_INPUT);
+  assert_non_null(strstr(err.message, "mould.rom.h5 is not the one the run began with"));
+  assert_null(run.sim);
+  assert_null(run.config);
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_coupling),
+      cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_embedded_coupling),
+      cmocka_unit_test(the_files_of_a_resumed_run_are_those_of_an_unbroken_one),
+      cmocka_unit_test(a_run_does_not_go_on_with_another_rom),
+  };
+  return cmocka_run_group_tests(tests, set_up, clean_up);
+}

@@ -1,0 +1,29 @@
+/* cast_case.h - a small casting for tests of castrun: a synthetic mould with a box cavity and a pin, written with its
+ * cast.yaml into a folder of its own under /tmp. */
+#ifndef TESTS_SUPPORT_CAST_CASE_H
+#define TESTS_SUPPORT_CAST_CASE_H
+
+#include "common/error.h"
+
+typedef struct CastCase {
+  char folder[64]; // holds mould.rom.h5 and the inputs; results go to folders in it
+} CastCase;
+
+typedef struct CastCaseInput { // NULL: the default
+  const char *melt;            // lines of `melt:`, each behind two spaces
+  const char *forces;          // "{ gravity: ... }"
+  const char *contact;         // "{ h: 2000 W/m^2/K }"
+  const char *coupling;        // "{ kind: surface }"
+  const char *sph;             // "{ spacing: 0.4 mm }"
+  const char *time;            // "{ end: 3 ms }"
+  const char *output;          // more lines of `output:`, each behind two spaces
+} CastCaseInput;
+
+/* Make the folder and the ROM. Errors: as rom_write; CAST_ERR_IO. */
+CastStatus cast_case_create(CastCase *made, CastError *err);
+/* Write NAME.yaml, whose output folder is NAME; its path goes to `path`. */
+CastStatus cast_case_input(const CastCase *made, const char *name, const CastCaseInput *input, char path[128],
+                           CastError *err);
+void cast_case_remove(const CastCase *made); // the folder and all in it
+
+#endif

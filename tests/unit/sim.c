@@ -1,0 +1,331 @@
+/* Small castings from input to summary: the ledger closes, nothing leaks, what leaves is counted, what goes wrong is
+ * told. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cast/geometry/surface.h"
+#include "cast/io/csv_read.h"
+#include "cast/io/draw.h"
+#include "cast/io/run_record.h"
+#include "cast/sim.h"
+#include "tests/support/assert_close.h"
+#include "tests/support/cast_case.h"
+
+static CastCase casting;
+
+static int set_up(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
+  fprintf(stderr, "%s\n", err.message);
+  return 1;
+}
+
+static int clean_up(void **state)
+{
+  (void)state;
+  cast_case_remove(&casting);
+  return 0;
+}
+
+static void ok(CastStatus status, const CastError *err)
+{
+  if (status != CAST_OK) fail_msg("%s", err->message);
+}
+
+typedef struct Run {
+  CastConfig *config;
+  Sim *sim;
+  char folder[128];
+} Run;
+
+static Run start(const char *name, const CastCaseInput *input, bool with_output)
+{
+  CastError err = {0};
+  Run run = {0};
+  char path[128];
+  ok(cast_case_input(&casting, name, input, path, &err), &err);
+  snprintf(run.folder, sizeof run.folder, "%.60s/%.60s", casting.folder, name);
+  ok(cast_config_read(path, NULL, &run.config, &err), &err);
+  ok(sim_create(run.config, NULL, &run.sim, &err), &err);
+  if (!with_output) return run;
+  mkdir(run.folder, 0777);
+  ok(sim_open_output(run.sim, "test", &err), &err);
+  return run;
+}
+
+static void finish(Run *run)
+{
+  sim_destroy(&run->sim);
+  cast_config_destroy(&run->config);
+}
+
+static SimEnd run_all(const Run *run)
+{
+  CastError err = {0};
+  SimEnd end;
+  ok(sim_run(run->sim, NULL, &end, &err), &err);
+  return end;
+}
+
+static void assert_ledger_closes(const Sim *sim)
+{
+  const EnergyLedger e = sim_ledger(sim);
+  assert_true(e.exchanged > 1e-3);
+  assert_close(e.residual, 0.0, 1e-9 * e.exchanged); // R4; rounding alone gives about 1e-13
+  assert_close(e.melt_start - e.melt_now, e.mould_now + e.lost + e.removed, 1e-9 * e.exchanged);
+}
+
+/* Depth of the deepest particle in the mould, in spacings; 0 if all are outside. */
+static double deepest(const Run *run)
+{
+  CastError err = {0};
+  RomData *rom = NULL;
+  Surface *surface = NULL;
+  ok(rom_read(run->config->rom_path, &rom, &err), &err);
+  ok(surface_create(rom, 2e-3, &surface, &err), &err);
+  const Particles *p = sim_particles(run->sim);
+  double depth = 0.0;
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    SurfaceHit hit;
+    const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    if (surface_nearest(surface, x, 2e-3, &hit))
+      depth = fmax(depth, -hit.distance);
+    else
+      assert_false(surface_inside_mould(surface, x));
+  }
+  surface_destroy(&surface);
+  rom_destroy(&rom);
+  return depth / run->config->spacing;
+}
+
+static void check_run(const char *name, const CastCaseInput *input)
+{
+  Run run = start(name, input, false);
+  const ptrdiff_t n = sim_particles(run.sim)->n_fluid;
+  assert_int_equal(run_all(&run), SIM_FINISHED);
+  assert_int_equal(sim_particles(run.sim)->n_fluid, n);
+  assert_close(sim_time(run.sim), run.config->end, 1e-12 * run.config->end);
+  assert_ledger_closes(run.sim);
+  assert_true(deepest(&run) < 0.15); // a tenth of a spacing is what the guard lets pass
+  finish(&run);
+}
+
+static void melt_that_falls_into_a_box_with_a_pin_neither_leaks_nor_loses_heat(void **state)
+{
+  (void)state;
+  check_run("surface", &(CastCaseInput){.time = "{ end: 4 ms }"});
+}
+
+static void the_ledger_closes_with_embedded_coupling_and_perfect_contact(void **state)
+{
+  (void)state;
+  check_run("embedded", &(CastCaseInput){
+                            .coupling = "{ kind: embedded }", .contact = "{ perfect: true }", .time = "{ end: 2 ms }"});
+}
+
+static void the_ledger_closes_with_backward_euler_and_a_fixed_step(void **state)
+{
+  (void)state;
+  check_run("euler", &(CastCaseInput){.time = "{ end: 2 ms, step: 8 us, scheme: backward-euler }"});
+}
+
+static void the_ledger_closes_with_summation_density_and_a_frozen_mould(void **state)
+{
+  (void)state;
+  check_run("frozen", &(CastCaseInput){.coupling = "{ mould: frozen }",
+                                       .sph = "{ spacing: 0.4 mm, density: summation, negative_pressure: cut }",
+                                       .time = "{ end: 2 ms }"});
+}
+
+/* Of g L = 0.25 m2/s2 a pool that starts in its own hydrostatic pressure makes hardly any motion. */
+static void a_pool_starts_at_rest(void **state)
+{
+  (void)state;
+  const CastCaseInput pool = {.melt = "  material: cual10\n  temperature: 1150 degC\n  cavity_below: -1.6 mm\n",
+                              .time = "{ end: 2 ms }"};
+  Run run = start("pool", &pool, false);
+  assert_int_equal(run_all(&run), SIM_FINISHED);
+  const Particles *p = sim_particles(run.sim);
+  const double free_fall = 0.5 * p->mass[0] * (double)p->n_fluid * pow(100.0 * 2e-3, 2.0);
+  assert_true(sph_kinetic_energy(p) < 0.02 * free_fall);
+  finish(&run);
+}
+
+static void melt_that_leaves_is_counted_and_its_heat_stays_in_the_books(void **state)
+{
+  (void)state;
+  const CastCaseInput thrown = {.melt = "  material: cual10\n  temperature: 1150 degC\n"
+                                        "  blocks: [{ corner: [-1.6 mm, -1.6 mm, -4 mm], size: [3.2 mm, 3.2 mm, 2.4 "
+                                        "mm], velocity: [0 m/s, 0 m/s, 8 m/s] }]\n",
+                                .forces = "{ gravity: [0 m/s^2, 0 m/s^2, 0 m/s^2] }",
+                                .sph = "{ spacing: 0.4 mm, sound_speed: 60 m/s }",
+                                .time = "{ end: 8 ms }",
+                                .output = "  curves_every: 1 ms\n"};
+  Run run = start("thrown", &thrown, true);
+  assert_int_equal(run_all(&run), SIM_EMPTY);
+  assert_int_equal(sim_particles(run.sim)->n_fluid, 0);
+  const EnergyLedger e = sim_ledger(run.sim);
+  assert_true(e.removed > 0.99 * e.melt_start && e.melt_now == 0.0);
+  assert_close(e.residual, 0.0, 1e-12 * e.melt_start);
+  finish(&run);
+}
+
+static void a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  SimEnd end;
+  Run run = start("too_long", &(CastCaseInput){.time = "{ end: 20 ms, step: 200 us }"}, true);
+  assert_int_equal(sim_run(run.sim, NULL, &end, &err), CAST_ERR_NUMERIC);
+  const char *const parts[] = {"step ", "t = ", "dt = 200 us", "particle ", " m"};
+  for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
+    if (!strstr(err.message, parts[k])) fail_msg("'%s' does not say '%s'", err.message, parts[k]);
+  char path[160], *text = NULL;
+  snprintf(path, sizeof path, "%s/checkpoint-failed.h5", run.folder);
+  assert_int_equal(access(path, R_OK), 0); // the state for inspection
+  snprintf(path, sizeof path, "%s/results.vtkhdf", run.folder);
+  ok(run_record_read_summary(path, &text, &err), &err);
+  assert_non_null(strstr(text, "step ")); // the summary tells how it ended
+  free(text);
+  finish(&run);
+}
+
+/* ---- files ---- */
+
+static json_t *read_json(const char *folder)
+{
+  char path[160];
+  json_error_t fault;
+  snprintf(path, sizeof path, "%s/summary.json", folder);
+  json_t *root = json_load_file(path, 0, &fault);
+  if (!root) fail_msg("%s: %s", path, fault.text);
+  return root;
+}
+
+static double number_at(const json_t *root, const char *group, const char *name)
+{
+  const json_t *value = json_object_get(json_object_get(root, group), name);
+  if (!json_is_number(value)) fail_msg("%s.%s is no number", group, name);
+  return json_number_value(value);
+}
+
+static void check_curves(const Run *run)
+{
+  CastError err = {0};
+  char path[160];
+  CsvTable table;
+  snprintf(path, sizeof path, "%s/tracers.csv", run->folder);
+  ok(csv_read(path, &table, &err), &err);
+  assert_int_equal(table.n_rows, 2 * 31); // two tracers, 3 ms in steps of 0.1 ms, both ends
+  assert_string_equal(table.cell[1], "low");
+  assert_string_equal(table.cell[table.n_columns + 1], "high");
+  const size_t z = csv_column(&table, "z_m");
+  assert_close(csv_value(&table, 0, z), -3.8e-3, 1e-9); // the layer at the floor
+  assert_true(csv_value(&table, 1, z) > csv_value(&table, 0, z));
+  csv_table_free(&table);
+  snprintf(path, sizeof path, "%s/probes.csv", run->folder);
+  ok(csv_read(path, &table, &err), &err);
+  assert_int_equal(table.n_columns, 5);
+  const size_t last = table.n_rows - 1;
+  assert_close(csv_value(&table, 0, 1), 1423.15, 1e-6); // in the melt from the start
+  assert_true(isnan(csv_value(&table, 0, 2)));
+  assert_close(csv_value(&table, 0, 4), 1073.15, 1e-6); // in the mould, below the floor
+  assert_true(csv_value(&table, last, 4) > 1073.2);
+  csv_table_free(&table);
+}
+
+static void a_run_leaves_frames_curves_pictures_and_a_summary_that_agree_with_it(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  const CastCaseInput input = {.output = "  curves_every: 0.1 ms\n"
+                                         "  probes: [{ name: melt, position: [0.8 mm, 0.8 mm, -3 mm] }, { name: floor, "
+                                         "position: [1.5 mm, 1.5 mm, -4.1 mm] }]\n"
+                                         "  tracers: [{ name: low, nearest: [1.2 mm, 1.2 mm, -4 mm] }, { name: high, "
+                                         "nearest: [0 mm, 0 mm, -1 mm] }]\n"};
+  Run run = start("files", &input, true);
+  assert_int_equal(run_all(&run), SIM_FINISHED);
+  check_curves(&run);
+  json_t *root = read_json(run.folder);
+  const EnergyLedger e = sim_ledger(run.sim);
+  assert_close(number_at(root, "energy_J", "exchanged"), e.exchanged, 1e-12 * e.exchanged);
+  assert_close(number_at(root, "work", "steps"), (double)sim_steps(run.sim), 0.0);
+  assert_true(number_at(root, "work", "particle_steps_per_s") > 0.0);
+  assert_close(json_number_value(json_object_get(root, "time_s")), 3e-3, 1e-12);
+  assert_string_equal(json_string_value(json_object_get(root, "outcome")), "finished");
+  assert_true(number_at(root, "cavity_wall_K", "max") > 1073.15);
+  json_decref(root);
+  ok(draw_folder(run.folder, NULL, &err), &err);
+  static const char *const names[] = {"filling.png", "curves.png",  "resolved.yaml",
+                                      "summary.txt", "results.xmf", "mould.xmf"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    char path[160];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/%s", run.folder, names[k]);
+    if (stat(path, &info) != 0 || info.st_size < 500) fail_msg("%s is missing or nearly empty", path);
+  }
+  finish(&run);
+}
+
+/* Writing must not change what is computed. */
+static void a_run_that_writes_has_the_bits_of_one_that_does_not(void **state)
+{
+  (void)state;
+  Run silent = start("silent", NULL, false), writing = start("writing", NULL, true);
+  sim_request_checkpoint(writing.sim);
+  run_all(&silent);
+  run_all(&writing);
+  const Particles *p = sim_particles(silent.sim), *q = sim_particles(writing.sim);
+  assert_int_equal(p->n_fluid, q->n_fluid);
+  assert_memory_equal(p->E, q->E, (size_t)p->n_fluid * sizeof(double));
+  assert_memory_equal(p->x[2], q->x[2], (size_t)p->n_fluid * sizeof(double));
+  finish(&silent);
+  finish(&writing);
+}
+
+/* A block of 8 x 8 x 6 spacings is 384 particles wherever the lattice lies. */
+static void a_block_holds_its_volume_s_worth_of_particles(void **state)
+{
+  (void)state;
+  static const char *const corners[] = {"[-1.6 mm, -1.6 mm, -3.2 mm]", "[-1.4 mm, -1.5 mm, -3.0 mm]",
+                                        "[-1.27 mm, -1.81 mm, -3.33 mm]"};
+  for (int k = 0; k < 3; k++) {
+    char melt[256];
+    snprintf(
+        melt, sizeof melt,
+        "  material: cual10\n  temperature: 1150 degC\n  blocks: [{ corner: %s, size: [3.2 mm, 3.2 mm, 2.4 mm] }]\n",
+        corners[k]);
+    Run run = start("block", &(CastCaseInput){.melt = melt}, false);
+    assert_int_equal(sim_particles(run.sim)->n_fluid, 384);
+    finish(&run);
+  }
+}
+
+int main(void)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(melt_that_falls_into_a_box_with_a_pin_neither_leaks_nor_loses_heat),
+      cmocka_unit_test(the_ledger_closes_with_embedded_coupling_and_perfect_contact),
+      cmocka_unit_test(the_ledger_closes_with_backward_euler_and_a_fixed_step),
+      cmocka_unit_test(the_ledger_closes_with_summation_density_and_a_frozen_mould),
+      cmocka_unit_test(a_pool_starts_at_rest),
+      cmocka_unit_test(melt_that_leaves_is_counted_and_its_heat_stays_in_the_books),
+      cmocka_unit_test(a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when),
+      cmocka_unit_test(a_run_leaves_frames_curves_pictures_and_a_summary_that_agree_with_it),
+      cmocka_unit_test(a_run_that_writes_has_the_bits_of_one_that_does_not),
+      cmocka_unit_test(a_block_holds_its_volume_s_worth_of_particles),
+  };
+  return cmocka_run_group_tests(tests, set_up, clean_up);
+}
