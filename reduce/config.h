@@ -5,11 +5,14 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 #include "common/material.h"
 
 enum { NAME_LENGTH = 64 };
 
 typedef enum BoundaryKind { BOUNDARY_ROBIN, BOUNDARY_INSULATED, BOUNDARY_FIXED } BoundaryKind;
+
+typedef enum GeometryKind { GEOMETRY_GEO, GEOMETRY_STEP, GEOMETRY_BREP, GEOMETRY_MESH } GeometryKind;
 
 typedef struct RegionConfig { // a named volume and what it is made of
   char name[NAME_LENGTH];
@@ -35,7 +38,7 @@ typedef struct GroupConfig { // names for a geometry that has none (STEP): entit
   int *tags;
   bool has_box;
   double box[6]; // m: xmin ymin zmin xmax ymax zmax, entities wholly inside
-  bool rest;     // all entities of the dimension that no other group holds
+  bool rest;     // all volumes, or all boundary surfaces, that no other group holds
 } GroupConfig;
 
 typedef enum ReductionMethod { REDUCTION_RATIONAL, REDUCTION_ARNOLDI } ReductionMethod;
@@ -56,8 +59,9 @@ typedef struct ReductionConfig {
 
 typedef struct ReduceConfig {
   char *title;
-  char *geometry_path;  // resolved against the input file's folder
-  double geometry_unit; // m: length of one unit of the geometry's numbers
+  char *geometry_path;        // resolved against the input file's folder
+  GeometryKind geometry_kind; // by the file's extension
+  double geometry_unit;       // m: length of one unit of the geometry's numbers
   char geometry_sha256[65];
   size_t n_groups;
   GroupConfig *group;
@@ -67,17 +71,21 @@ typedef struct ReduceConfig {
   BoundaryConfig *boundary;
   size_t n_cavity;
   CavitySurfaceConfig *cavity;
-  double outside_size;  // m, mesh size far from the cavity
-  double growth;        // size gained per length away from the cavity wall: size = cavity size + growth * distance
-  double band;          // m, thickness of the near-wall band kept in the ROM
-  int order;            // of the elements: 1
+  double outside_size; // m, mesh size far from the cavity
+  double growth;       // size gained per length away from the cavity wall: size = cavity size + growth * distance
+  double band;         // m, thickness of the near-wall band kept in the ROM
+  int order;           // of the elements: 1
   ReductionConfig reduction;
-  char *rom_path;       // resolved against the input file's folder
+  char *rom_path; // resolved against the input file's folder
   char *input_path, *input_text;
 } ReduceConfig;
 
 /* Errors: CAST_ERR_INPUT with all faults, one a line. `text` NULL: read the file. */
 CastStatus reduce_config_read(const char *path, const char *text, ReduceConfig **config, CastError *err);
 void reduce_config_destroy(ReduceConfig **config);
+/* Everything as it was understood, in SI, one setting a line. */
+void reduce_config_print(const ReduceConfig *config, FILE *out);
+/* A named surface by its index: the cavity's come first, then the outer ones. */
+const char *reduce_config_surface_name(const ReduceConfig *config, size_t surface);
 
 #endif

@@ -4,8 +4,14 @@
 
 #include "reduce/mor/reduced_model.h"
 
+typedef struct RomOutputRun { // what the file says of the run that made it
+  const char *command;        // the command line
+  double seconds_mesh, seconds_assembly;
+  Log *log;
+} RomOutputRun;
+
 /* Gather the boundary triangles, the band's tetrahedra and the basis on their points, and write config->rom_path.
- * Collective. `command`: the command line, for provenance. */
+ * The contents are sorted by place, so that they do not depend on how the mesh was distributed. Collective. */
 PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mesh, const ThermalSystem *system,
-                                const ReducedModel *model, const char *command, Log *log);
+                                const ReducedModel *model, const RomOutputRun *run);
 #endif

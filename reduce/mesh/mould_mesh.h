@@ -11,14 +11,16 @@
 #include "reduce/config.h"
 
 typedef struct MouldMesh {
-  DM dm;              // owned
-  PetscInt n_patches; // m
-  PetscInt n_cavity;  // the first n_cavity patches are cavity wall
-  RomPatch *patch;    // [m] owned; area and centroid of the faceted surface
-  PetscReal volume;   // m3 of the mesh
-  PetscReal shortest_edge; // m, of cavity triangles
-  PetscReal first_layer;   // m, median height of the tetrahedra on the cavity wall
-  PetscReal worst_quality; // least radius ratio (1 = regular)
+  DM dm;                    // owned
+  PetscInt n_patches;       // m
+  PetscInt n_cavity;        // the first n_cavity patches are cavity wall
+  RomPatch *patch;          // [m] owned; area and centroid of the faceted surface
+  PetscInt *triangles;      // [m] owned: boundary triangles of each patch; NULL: not known
+  PetscReal volume;         // m3 of the mesh
+  PetscReal shortest_edge;  // m, of cavity triangles
+  PetscReal first_layer;    // m, median height of the tetrahedra on the cavity wall
+  PetscReal worst_quality;  // least radius ratio (1 = regular)
+  PetscReal worst_place[3]; // m, where that is
 } MouldMesh;
 
 /* Mesh the geometry (or read a ready .msh) on rank 0, cut the cavity wall into patches, distribute. Collective.

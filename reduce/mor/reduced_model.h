@@ -15,7 +15,7 @@ typedef struct ReducedModel {
   PetscReal *constant; // [r]
   BV V;                // [n x r] E-orthonormal basis in modal form, distributed; owned
   PetscInt n_shifts;
-  PetscReal *shifts;   // [n_shifts] 1/s
+  PetscReal *shifts; // [n_shifts] 1/s
   PetscInt moments;
   RomCertificate certificate;
   double seconds_reduction, seconds_certificate;

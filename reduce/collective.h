@@ -1,0 +1,13 @@
+/* collective.h - faults that one rank finds become errors that all ranks return together, so that none waits for ever.
+ */
+#ifndef REDUCE_COLLECTIVE_H
+#define REDUCE_COLLECTIVE_H
+
+#include <petscsys.h>
+#include "common/error.h"
+
+/* Agree over `comm` whether any rank failed; then every rank raises PETSC_ERR_USER with the message of the lowest
+ * failing rank. `err` is read only where status is not CAST_OK. Collective. */
+PetscErrorCode collective_check(MPI_Comm comm, CastStatus status, const CastError *err);
+
+#endif

@@ -1,0 +1,86 @@
+/* config_report.c - mould.yaml as it was understood. */
+#include "reduce/config.h"
+
+#include <math.h>
+
+static void print_geometry(const ReduceConfig *config, FILE *out)
+{
+  fprintf(out, "geometry.file           %s\n", config->geometry_path);
+  fprintf(out, "geometry.sha256         %s\n", config->geometry_sha256);
+  fprintf(out, "geometry.unit           %g m\n", config->geometry_unit);
+  for (size_t i = 0; i < config->n_groups; i++) {
+    const GroupConfig *group = &config->group[i];
+    fprintf(out, "geometry.groups         %s: %s", group->name, group->dimension == 2 ? "surfaces" : "volumes");
+    for (size_t k = 0; k < group->n_tags; k++) fprintf(out, " %d", group->tags[k]);
+    if (group->has_box)
+      fprintf(out, " within (%g, %g, %g) to (%g, %g, %g) m", group->box[0], group->box[1], group->box[2], group->box[3],
+              group->box[4], group->box[5]);
+    fprintf(out, "%s\n", group->rest ? " that no other group holds" : "");
+  }
+}
+
+static void print_regions(const ReduceConfig *config, FILE *out)
+{
+  for (size_t i = 0; i < config->n_regions; i++) {
+    const Material *material = &config->region[i].material;
+    fprintf(out, "regions                 %s: %s, %g W/(m K), %g kg/m3, %g J/(kg K)", config->region[i].name,
+            material->name, material->conductivity, material->density, material->specific_heat);
+    if (isnan(material->reference_temperature))
+      fprintf(out, ", temperature of these values not stated\n");
+    else
+      fprintf(out, ", taken at %g K\n", material->reference_temperature);
+  }
+}
+
+static void print_surfaces(const ReduceConfig *config, FILE *out)
+{
+  for (size_t i = 0; i < config->n_boundaries; i++) {
+    const BoundaryConfig *boundary = &config->boundary[i];
+    if (boundary->kind == BOUNDARY_ROBIN)
+      fprintf(out, "boundaries              %s: robin, h = %g W/(m2 K)\n", boundary->name, boundary->h);
+    else
+      fprintf(out, "boundaries              %s: %s\n", boundary->name,
+              boundary->kind == BOUNDARY_FIXED ? "fixed at the ambient temperature" : "insulated");
+  }
+  for (size_t i = 0; i < config->n_cavity; i++) {
+    const CavitySurfaceConfig *surface = &config->cavity[i];
+    fprintf(out, "cavity.surfaces         %s: ", surface->name);
+    if (surface->patch_size > 0)
+      fprintf(out, "patches of %g m x %g m", surface->patch_size, surface->patch_size);
+    else
+      fprintf(out, "one patch");
+    if (surface->mesh_size > 0) fprintf(out, ", mesh size %g m", surface->mesh_size);
+    fprintf(out, "\n");
+  }
+}
+
+static void print_reduction(const ReductionConfig *reduction, FILE *out)
+{
+  fprintf(out, "reduction.method        %s\n", reduction->method == REDUCTION_ARNOLDI ? "arnoldi" : "rational");
+  fprintf(out, "reduction.times         %g s to %g s\n", reduction->t_start, reduction->t_end);
+  fprintf(out, "reduction.tolerance     %g\n", reduction->tolerance);
+  if (reduction->method == REDUCTION_ARNOLDI)
+    fprintf(out, "reduction.moments       %ld at s0 = %g 1/s\n", reduction->moments, reduction->s0);
+  else if (reduction->n_shifts == 0)
+    fprintf(out, "reduction.shifts        chosen by the program\n");
+  for (size_t i = 0; i < reduction->n_shifts; i++)
+    fprintf(out, "reduction.shifts        %g 1/s\n", reduction->shifts[i]);
+  fprintf(out, "reduction.deflation     %g\n", reduction->deflation);
+  fprintf(out, "reduction.second_stage  %s\n", reduction->second_stage ? "yes" : "no");
+  fprintf(out, "reduction.solver        %s, tolerance %g where it iterates\n",
+          reduction->iterative ? "iterative" : "automatic", reduction->solver_rtol);
+}
+
+void reduce_config_print(const ReduceConfig *config, FILE *out)
+{
+  fprintf(out, "title                   %s\n", config->title);
+  print_geometry(config, out);
+  print_regions(config, out);
+  print_surfaces(config, out);
+  if (config->geometry_kind != GEOMETRY_MESH)
+    fprintf(out, "mesh                    grows by %g per length from the cavity wall, up to %g m\n", config->growth,
+            config->outside_size);
+  print_reduction(&config->reduction, out);
+  fprintf(out, "output.file             %s\n", config->rom_path);
+  fprintf(out, "output.band             %g m\n", config->band);
+}

@@ -1,0 +1,176 @@
+/* wall_geometry.c - from every rank's share to rank 0. */
+#include "reduce/io/wall_geometry_private.h"
+
+#include <stdlib.h>
+#include "reduce/collective.h"
+#include "reduce/petsc_compat.h"
+
+typedef struct Points { // in use and owned by this rank
+  PetscInt n;
+  PetscInt *number; // [n] global
+  PetscReal *x;     // [n*3] m
+  float *basis;     // [n*r]
+} Points;
+
+/* A node is in use if any rank's share has it; only its owner knows its row of V. */
+static PetscErrorCode mark_used(const WallShare *share, Vec used)
+{
+  PetscSection section;
+  PetscScalar *mark;
+  Vec local;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMGetLocalSection(share->dm, &section));
+  PetscCall(DMGetLocalVector(share->dm, &local));
+  PetscCall(VecZeroEntries(local));
+  PetscCall(VecGetArray(local, &mark));
+  for (PetscInt i = 0; i < share->n_local; i++) {
+    PetscInt offset;
+    PetscCall(PetscSectionGetOffset(section, share->local[i], &offset));
+    mark[offset] = 1.0;
+  }
+  PetscCall(VecRestoreArray(local, &mark));
+  PetscCall(VecZeroEntries(used));
+  PetscCall(DMLocalToGlobal(share->dm, local, ADD_VALUES, used));
+  PetscCall(DMRestoreLocalVector(share->dm, &local));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode list_points(const WallShare *share, Vec used, Points *points)
+{
+  PetscInt first, last, begin, end;
+  PetscSection coordinate_section;
+  Vec coordinates;
+  const PetscScalar *x, *mark;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMPlexGetDepthStratum(share->dm, 0, &first, &last));
+  PetscCall(VecGetOwnershipRange(used, &begin, &end));
+  PetscCall(PetscMalloc2((size_t)(end - begin), &points->number, (size_t)(3 * (end - begin)), &points->x));
+  PetscCall(DMGetCoordinateSection(share->dm, &coordinate_section));
+  PetscCall(DMGetCoordinatesLocal(share->dm, &coordinates));
+  PetscCall(VecGetArrayRead(coordinates, &x));
+  PetscCall(VecGetArrayRead(used, &mark));
+  for (PetscInt vertex = first; vertex < last; vertex++) {
+    PetscInt number, offset;
+    PetscCall(PetscSectionGetOffset(share->section, vertex, &number));
+    if (number < begin || number >= end || mark[number - begin] == 0.0) continue;
+    PetscCall(PetscSectionGetOffset(coordinate_section, vertex, &offset));
+    PetscCall(PetscArraycpy(points->x + 3 * points->n, x + offset, 3));
+    points->number[points->n++] = number;
+  }
+  PetscCall(VecRestoreArrayRead(used, &mark));
+  PetscCall(VecRestoreArrayRead(coordinates, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode copy_basis(BV V, PetscInt r, Points *points)
+{
+  PetscInt begin, end;
+  Vec column;
+  const PetscScalar *value;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)points->n * (size_t)r, &points->basis));
+  for (PetscInt k = 0; k < r; k++) {
+    PetscCall(BVGetColumn(V, k, &column));
+    PetscCall(VecGetOwnershipRange(column, &begin, &end));
+    PetscCall(VecGetArrayRead(column, &value));
+    for (PetscInt i = 0; i < points->n; i++)
+      points->basis[(size_t)i * (size_t)r + (size_t)k] = (float)value[points->number[i] - begin];
+    PetscCall(VecRestoreArrayRead(column, &value));
+    PetscCall(BVRestoreColumn(V, k, &column));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Rows of `width` values of `type` from all ranks to rank 0, in the order of the ranks. total: on rank 0, rows.
+ * A type of one row keeps the counts, which MPI wants as int, small. */
+static PetscErrorCode gather_rows(MPI_Comm comm, const void *own, PetscInt n, PetscMPIInt width, MPI_Datatype type,
+                                  void **all, size_t *total)
+{
+  PetscMPIInt rank, size, bytes, *counts, *starts, sum = 0, rows = (PetscMPIInt)n;
+  MPI_Datatype row;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &size));
+  PetscCall(PetscCalloc2((size_t)size, &counts, (size_t)size, &starts));
+  PetscCallMPI(MPI_Gather(&rows, 1, MPI_INT, counts, 1, MPI_INT, 0, comm));
+  for (PetscMPIInt k = 0; rank == 0 && k < size; k++) {
+    starts[k] = sum;
+    sum += counts[k];
+  }
+  PetscCallMPI(MPI_Type_contiguous(width, type, &row));
+  PetscCallMPI(MPI_Type_commit(&row));
+  PetscCallMPI(MPI_Type_size(row, &bytes));
+  *all = malloc((size_t)sum * (size_t)bytes + 1);
+  PetscCheck(*all, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for %d rows of the mould's wall", sum);
+  PetscCallMPI(MPI_Gatherv(own, rows, row, *all, counts, starts, row, 0, comm));
+  PetscCallMPI(MPI_Type_free(&row));
+  PetscCall(PetscFree2(counts, starts));
+  *total = (size_t)sum;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode gather_all(MPI_Comm comm, const WallShare *share, const Points *points, WallGeometry *geometry)
+{
+  CastError err = {CAST_OK, ""};
+  CastStatus status = CAST_OK;
+  void *number, *triangle, *tetrahedron, *x, *basis;
+  PetscMPIInt rank;
+  size_t n;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(gather_rows(comm, points->number, points->n, 1, MPIU_INT, &number, &geometry->n_points));
+  PetscCall(gather_rows(comm, points->x, points->n, 3, MPIU_REAL, &x, &n));
+  PetscCall(gather_rows(comm, points->basis, points->n, (PetscMPIInt)geometry->r, MPI_FLOAT, &basis, &n));
+  PetscCall(gather_rows(comm, share->triangle, share->n_triangles, 4, MPIU_INT, &triangle, &geometry->n_triangles));
+  PetscCall(
+      gather_rows(comm, share->tetrahedron, share->n_tetrahedra, 4, MPIU_INT, &tetrahedron, &geometry->n_tetrahedra));
+  geometry->points = x;
+  geometry->basis = basis;
+  if (rank == 0) status = wall_geometry_sort(geometry, number, triangle, tetrahedron, &err);
+  free(number);
+  free(triangle);
+  free(tetrahedron);
+  PetscCall(collective_check(comm, status, &err));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, WallGeometry *geometry)
+{
+  WallShare share;
+  Points points = {0};
+  PetscInt k_first, k_last;
+  Vec used;
+
+  PetscFunctionBeginUser;
+  *geometry = (WallGeometry){0};
+  PetscCall(BVGetActiveColumns(V, &k_first, &k_last));
+  geometry->r = k_last;
+  PetscCall(wall_share_create(mesh, band, &share));
+  PetscCall(DMGetGlobalVector(mesh->dm, &used));
+  PetscCall(mark_used(&share, used));
+  PetscCall(list_points(&share, used, &points));
+  PetscCall(DMRestoreGlobalVector(mesh->dm, &used));
+  PetscCall(copy_basis(V, geometry->r, &points));
+  PetscCall(gather_all(PetscObjectComm((PetscObject)mesh->dm), &share, &points, geometry));
+  PetscCall(PetscFree(points.basis));
+  PetscCall(PetscFree2(points.number, points.x));
+  PetscCall(wall_share_destroy(&share));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode wall_geometry_destroy(WallGeometry *geometry)
+{
+  PetscFunctionBeginUser;
+  free(geometry->points);
+  free(geometry->basis);
+  free(geometry->triangles);
+  free(geometry->triangle_patch);
+  free(geometry->tetrahedra);
+  *geometry = (WallGeometry){0};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,16 @@
+/* mould_geometry_private.h - the steps behind mould_geometry.h. */
+#ifndef REDUCE_MESH_MOULD_GEOMETRY_PRIVATE_H
+#define REDUCE_MESH_MOULD_GEOMETRY_PRIVATE_H
+
+#include "reduce/mesh/mould_geometry.h"
+
+/* Give each entity its name, from geometry.groups or from the physical groups of the file. */
+CastStatus mould_geometry_resolve(MouldGeometry *geometry, CastError *err);
+/* Sizes graded from the cavity wall outwards, then tetrahedra, in gmsh. */
+CastStatus mould_geometry_generate(const MouldGeometry *geometry, CastError *err);
+/* What gmsh holds as a mesh in metres, unchecked. */
+CastStatus mould_geometry_extract(const MouldGeometry *geometry, TetMesh **mesh, CastError *err);
+/* "(1, 2, 3) to (4, 5, 6) mm" */
+void mould_geometry_place(const MouldGeometry *geometry, const GeometryEntity *entity, char *text, size_t size);
+
+#endif

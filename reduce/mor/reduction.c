@@ -1,0 +1,276 @@
+/* reduction.c
+ * Method: block rational Krylov with real shifts, Galerkin projection in the E inner product. Each shift's
+ * preconditioner serves the block of all inputs and, where it falls on one of the reference's poles, the full model's
+ * step responses; the tolerance is judged against those alone.
+ * References: Ruhe 1984, Linear Algebra Appl. 58, 391; Odabasioglu, Celik & Pileggi 1998, IEEE Trans. CAD 17, 645
+ * (block Arnoldi, passivity by congruence). */
+#include "reduce/mor/reduction.h"
+
+#include <math.h>
+
+#include "reduce/mor/shifts.h"
+#include "reduce/mor/dense_block.h"
+#include "reduce/petsc_compat.h"
+
+enum {
+  MOST_ADDED_SHIFTS = 12,
+  EXPECTED_STEPS = 20 // of the reference in one window
+};
+
+static const PetscReal REFERENCE_SHARE = 0.01;  // of the tolerance: the reference's own error
+static const PetscReal FIRST_STAGE_SHARE = 0.6; // of the tolerance, where a second stage follows
+static const PetscReal POLE_REACH = 2.2;        // a shift within this ratio of a window's pole serves it
+
+PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log, Reduction **out)
+{
+  Reduction *reduction;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&reduction));
+  *out = reduction;
+  reduction->system = system;
+  reduction->config = config;
+  reduction->log = log;
+  PetscCall(ports_create(system, &reduction->ports, &reduction->ambient_sum));
+  PetscCall(MatGetSize(reduction->ports, NULL, &reduction->p));
+  PetscCall(shifted_solver_create(system, config->solver_rtol, (PetscBool)config->iterative, &reduction->solver));
+  PetscCall(step_reference_create(system, reduction->ports, config->t_start, config->t_end, &reduction->reference));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode record_shift(Reduction *reduction, PetscReal s)
+{
+  PetscFunctionBeginUser;
+  PetscCall(PetscRealloc((size_t)(reduction->n_shifts + 1) * sizeof(PetscReal), &reduction->shifts));
+  reduction->shifts[reduction->n_shifts++] = s;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The reference's windows that the solver's present shift serves; every_one: whatever the shift. */
+static PetscErrorCode solve_windows(Reduction *reduction, PetscBool rest)
+{
+  StepReference *reference = reduction->reference;
+  const ReductionConfig *config = reduction->config;
+  const double start = log_wall_time();
+
+  PetscFunctionBeginUser;
+  shifted_solver_set_tolerance(reduction->solver, PetscMin(config->solver_rtol, 1e-3 * config->tolerance));
+  for (PetscInt w = 0; w < reference->n_windows; w++) {
+    if (reference->done[w]) continue;
+    if (rest)
+      PetscCall(shifted_solver_set_shift(reduction->solver, reference->pole[w], EXPECTED_STEPS * reference->n_inputs));
+    const PetscReal s = shifted_solver_get_shift(reduction->solver), ratio = reference->pole[w] / s;
+    if (s <= 0.0 || ratio > POLE_REACH || ratio < 1.0 / POLE_REACH) continue;
+    PetscCall(
+        step_reference_solve(reference, reduction->system, reduction->solver, w, REFERENCE_SHARE * config->tolerance));
+  }
+  shifted_solver_set_tolerance(reduction->solver, config->solver_rtol);
+  if (rest) PetscCall(step_reference_finish(reference));
+  reduction->seconds_reference += log_wall_time() - start;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* H(s) of the sampled patches, from the solves of the reduction itself. */
+static PetscErrorCode keep_moments(Reduction *reduction, Mat X)
+{
+  const StepReference *reference = reduction->reference;
+  Mat sampled;
+  PetscReal *value;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)reference->n_patches * (size_t)reduction->p, &value));
+  PetscCall(dense_block_create(reduction->system->E, reference->n_patches, &sampled));
+  PetscCall(dense_block_copy(sampled, 0, X, reference->patch, reference->n_patches));
+  PetscCall(dense_block_inner(reduction->ports, sampled, value));
+  PetscCall(moments_append(reduction->moments, shifted_solver_get_shift(reduction->solver), 0, value));
+  PetscCall(MatDestroy(&sampled));
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* X = (s E + K)^-1 E V_last, V_last the vectors that the step before has added */
+static PetscErrorCode next_krylov_block(Reduction *reduction, PetscInt last, Mat X)
+{
+  KrylovBasis *basis = reduction->basis;
+  Mat V, block, product;
+  PetscInt *column;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)last, &column));
+  for (PetscInt c = 0; c < last; c++) column[c] = basis->r - last + c;
+  PetscCall(dense_block_create(reduction->system->E, last, &block));
+  PetscCall(dense_block_create(reduction->system->E, last, &product));
+  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
+  PetscCall(BVGetMat(basis->V, &V));
+  PetscCall(dense_block_copy(block, 0, V, column, last));
+  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscCall(dense_block_multiply(reduction->system->E, block, product));
+  PetscCall(shifted_solver_solve(reduction->solver, product, X));
+  PetscCall(MatDestroy(&block));
+  PetscCall(MatDestroy(&product));
+  PetscCall(PetscFree(column));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* X = (s E + K)^-1 [ports]. At s = 0 the heat E 1 is one input more: the constant, K^-1 ambient, stands in the basis
+ * already, and what follows from it, K^-1 E 1, has to be in the recursion too. (At s > 0 it is, since
+ * (s E + K)^-1 E 1 = (1 - (s E + K)^-1 ambient)/s.) */
+static PetscErrorCode first_krylov_block(Reduction *reduction, Mat X)
+{
+  Mat part, heat, answer;
+  Vec column;
+  PetscInt k;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(X, NULL, &k));
+  PetscCall(MatDenseGetSubMatrix(X, PETSC_DECIDE, PETSC_DECIDE, 0, reduction->p, &part));
+  PetscCall(shifted_solver_solve(reduction->solver, reduction->ports, part));
+  PetscCall(MatDenseRestoreSubMatrix(X, &part));
+  if (k == reduction->p) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(dense_block_create(reduction->system->E, 1, &heat));
+  PetscCall(dense_block_create(reduction->system->E, 1, &answer));
+  PetscCall(MatDenseGetColumnVecWrite(heat, 0, &column));
+  PetscCall(VecCopy(reduction->basis->E_one, column));
+  PetscCall(MatDenseRestoreColumnVecWrite(heat, 0, &column));
+  PetscCall(shifted_solver_solve(reduction->solver, heat, answer));
+  PetscCall(dense_block_copy(X, reduction->p, answer, NULL, 1));
+  PetscCall(MatDestroy(&heat));
+  PetscCall(MatDestroy(&answer));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* `moments` vectors an input at shift s: X_1 = (s E + K)^-1 ports, X_k+1 = (s E + K)^-1 E (what X_k has added). */
+static PetscErrorCode take_shift(Reduction *reduction, PetscReal s, PetscInt moments)
+{
+  KrylovBasis *basis = reduction->basis;
+  const PetscInt before = basis->r;
+  const double start = log_wall_time();
+  PetscInt kept = reduction->p + (s == 0.0 ? 1 : 0);
+  double solving = 0.0;
+  Mat X;
+
+  PetscFunctionBeginUser;
+  PetscCall(shifted_solver_set_shift(reduction->solver, s,
+                                     moments * reduction->p + EXPECTED_STEPS * reduction->reference->n_inputs));
+  PetscCall(record_shift(reduction, s));
+  for (PetscInt k = 0; k < moments && kept > 0; k++) {
+    const double begin = log_wall_time();
+    PetscCall(krylov_basis_get_block(basis, kept, &X));
+    if (k == 0)
+      PetscCall(first_krylov_block(reduction, X));
+    else
+      PetscCall(next_krylov_block(reduction, kept, X));
+    if (k == 0 && reduction->config->method == REDUCTION_RATIONAL) PetscCall(keep_moments(reduction, X));
+    solving += log_wall_time() - begin;
+    PetscCall(krylov_basis_add(basis, &X, &kept));
+  }
+  log_info(reduction->log, "shift %.3g 1/s: %d of %d directions kept, %d in all; %.1f s, %.1f of it solving (%s)",
+           (double)s, (int)(basis->r - before), (int)(moments * reduction->p), (int)basis->r, log_wall_time() - start,
+           solving, shifted_solver_get_name(reduction->solver));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Modal form of the basis as it stands, and its error. */
+static PetscErrorCode judge(Reduction *reduction, PetscReal *error)
+{
+  const KrylovBasis *basis = reduction->basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(modal_model_destroy(&reduction->modal));
+  PetscCall(modal_model_create(PetscObjectComm((PetscObject)reduction->system->E), basis->r, reduction->p, basis->K,
+                               basis->capacity, basis->inputs, basis->constant, reduction->system->singular,
+                               &reduction->modal));
+  PetscCall(step_reference_compare(reduction->reference, reduction->modal, error, &reduction->step_error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscReal first_stage_target(const ReductionConfig *config)
+{
+  return config->tolerance * (config->second_stage ? FIRST_STAGE_SHARE : 1.0);
+}
+
+static PetscErrorCode add_shifts(Reduction *reduction)
+{
+  const StepReference *reference = reduction->reference;
+  PetscReal *error, s;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)reference->n_times, &error));
+  PetscCall(judge(reduction, error));
+  for (PetscInt added = 0; reduction->step_error > first_stage_target(reduction->config); added++) {
+    if (reduction->config->n_shifts > 0 || added == MOST_ADDED_SHIFTS) break; // the user's own shifts stand as they are
+    PetscCall(shifts_suggest(reduction->n_shifts, reduction->shifts, reference->n_times, reference->time, error, &s));
+    log_info(reduction->log, "step responses: error %.2e of the rise, %.2e is needed: one more shift at %.3g 1/s",
+             (double)reduction->step_error, (double)first_stage_target(reduction->config), (double)s);
+    PetscCall(take_shift(reduction, s, 1));
+    PetscCall(judge(reduction, error));
+  }
+  PetscCall(PetscFree(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_run_rational(Reduction *reduction)
+{
+  const ReductionConfig *config = reduction->config;
+  const PetscInt spare = config->n_shifts > 0 ? 0 : 1; // room for one shift more: growing copies the basis
+  PetscInt vectors = 0;
+  ShiftPlan plan;
+
+  PetscFunctionBeginUser;
+  if (config->n_shifts > 0)
+    PetscCall(shifts_plan_given((PetscInt)config->n_shifts, config->shifts, &plan));
+  else
+    PetscCall(shifts_plan(config->t_start, config->t_end, first_stage_target(config), &plan));
+  for (PetscInt i = 0; i < plan.n; i++) vectors += plan.moments[i];
+  reduction->moments_per_shift = plan.moments[0];
+  log_info(reduction->log,
+           "reduction: %d unknowns, %d patches; %d vectors an input at %d real shifts from %.3g to %.3g 1/s",
+           (int)reduction->system->n, (int)reduction->system->m, (int)vectors, (int)plan.n, (double)plan.shift[0],
+           (double)plan.shift[plan.n - 1]);
+  PetscCall(moments_create(reduction->reference->n_patches, reduction->p, &reduction->moments));
+  PetscCall(krylov_basis_create(reduction->system, reduction->ports, 1 + (vectors + spare) * reduction->p, reduction->p,
+                                config->deflation, &reduction->basis));
+  for (PetscInt i = 0; i < plan.n; i++) {
+    PetscCall(take_shift(reduction, plan.shift[i], plan.moments[i]));
+    PetscCall(solve_windows(reduction, PETSC_FALSE));
+  }
+  PetscCall(shifts_plan_destroy(&plan));
+  PetscCall(solve_windows(reduction, PETSC_TRUE));
+  PetscCall(add_shifts(reduction));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_run_arnoldi(Reduction *reduction)
+{
+  const ReductionConfig *config = reduction->config;
+  const PetscInt q = (PetscInt)config->moments, width = reduction->p + (config->s0 == 0.0 ? 1 : 0);
+
+  PetscFunctionBeginUser;
+  log_info(reduction->log, "reduction: %d unknowns, %d patches; %d moments at %.3g 1/s", (int)reduction->system->n,
+           (int)reduction->system->m, (int)q, config->s0);
+  reduction->moments_per_shift = q;
+  PetscCall(krylov_basis_create(reduction->system, reduction->ports, 1 + q * width, width, config->deflation,
+                                &reduction->basis));
+  PetscCall(take_shift(reduction, config->s0, q));
+  PetscCall(moments_create(reduction->reference->n_inputs, reduction->p, &reduction->moments));
+  PetscCall(moments_compute(reduction->moments, reduction->system, reduction->solver, reduction->ports,
+                            reduction->reference->F, q));
+  PetscCall(solve_windows(reduction, PETSC_TRUE));
+  PetscCall(judge(reduction, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_destroy(Reduction **reduction)
+{
+  PetscFunctionBeginUser;
+  if (!*reduction) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatDestroy(&(*reduction)->ports));
+  PetscCall(shifted_solver_destroy(&(*reduction)->solver));
+  PetscCall(krylov_basis_destroy(&(*reduction)->basis));
+  PetscCall(step_reference_destroy(&(*reduction)->reference));
+  PetscCall(moments_destroy(&(*reduction)->moments));
+  PetscCall(modal_model_destroy(&(*reduction)->modal));
+  PetscCall(PetscFree((*reduction)->shifts));
+  PetscCall(PetscFree(*reduction));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

@@ -1,0 +1,44 @@
+/* reduction.h - one reduction under way (internal to reduce/mor). */
+#ifndef REDUCE_MOR_REDUCTION_H
+#define REDUCE_MOR_REDUCTION_H
+
+#include "reduce/mor/krylov_basis.h"
+#include "reduce/mor/modal_model.h"
+#include "reduce/mor/moments.h"
+#include "reduce/mor/ports.h"
+#include "reduce/mor/reduced_model.h"
+#include "reduce/mor/shifted_solver.h"
+#include "reduce/mor/step_reference.h"
+
+typedef struct Reduction {
+  const ThermalSystem *system;   // borrowed
+  const ReductionConfig *config; // borrowed
+  Log *log;                      // borrowed, may be NULL
+  Mat ports;                     // [n x p] owned
+  PetscInt p;
+  PetscReal ambient_sum; // W/K, of the ambient column; 0: none
+  ShiftedSolver *solver;
+  KrylovBasis *basis;
+  StepReference *reference;
+  Moments *moments;
+  ModalModel *modal; // of the basis as it stands
+  PetscInt n_shifts;
+  PetscReal *shifts; // [n_shifts] in the order taken, 1/s
+  PetscInt moments_per_shift;
+  PetscReal step_error, second_stage_bound;
+  double seconds_reference;
+} Reduction;
+
+PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log,
+                                Reduction **reduction);
+/* The paper's block Arnoldi: q moments at s0. */
+PetscErrorCode reduction_run_arnoldi(Reduction *reduction);
+/* One block of solves at each of several real shifts, and more shifts until the step responses meet the tolerance. */
+PetscErrorCode reduction_run_rational(Reduction *reduction);
+/* Second stage, where the input asks for it. */
+PetscErrorCode reduction_shorten(Reduction *reduction);
+PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *certificate);
+void reduction_report(const Reduction *reduction, const RomCertificate *certificate);
+PetscErrorCode reduction_destroy(Reduction **reduction);
+
+#endif

@@ -1,0 +1,155 @@
+/* reduction_finish.c - the second stage of a reduction, its certificate, and what is said about it. */
+#include <math.h>
+
+#include "reduce/mor/certificate.h"
+#include "reduce/mor/reduction.h"
+#include "reduce/mor/second_stage.h"
+#include "reduce/petsc_compat.h"
+
+enum { UNSEEN_FREQUENCIES = 3 }; // beside the last shift, whose preconditioner is at hand
+
+static const PetscReal ARNOLDI_WARNING = 0.01;
+
+/* Weights that make the entries of H relative: port l gets rise_l^(-1/2), rise_l its temperature at t_end after a step;
+ * as input and as output it so has 1/rise_l. */
+static PetscErrorCode port_weights(const Reduction *reduction, PetscReal *weight)
+{
+  const size_t p = (size_t)reduction->p;
+  PetscReal *u, *state, *temperature;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(p, &u, (size_t)reduction->modal->r, &state, p, &temperature));
+  PetscCall(PetscArrayzero(u, p));
+  for (size_t l = 0; l < p; l++) {
+    u[l] = 1.0;
+    modal_model_step_response(reduction->modal, reduction->config->t_end, u, state, temperature);
+    u[l] = 0.0;
+    weight[l] = 1.0 / sqrt(temperature[l]); // positive: a sum of squares
+  }
+  PetscCall(PetscFree3(u, state, temperature));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The largest change of the transfer function over the band of rates and a decade beyond its ends. */
+static PetscErrorCode compare_stages(Reduction *reduction, const ModalModel *smaller)
+{
+  const ReductionConfig *config = reduction->config;
+  const PetscInt n = 1 + (PetscInt)ceil(4.0 * log10(100.0 * config->t_end / config->t_start));
+
+  PetscFunctionBeginUser;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal difference;
+    const PetscReal w = 0.1 / config->t_end * pow(10.0, (PetscReal)i / 4.0);
+    PetscCall(modal_model_difference(reduction->modal, smaller, w, &difference));
+    reduction->second_stage_bound = PetscMax(reduction->second_stage_bound, difference);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_shorten(Reduction *reduction)
+{
+  const ReductionConfig *config = reduction->config;
+  const StepReference *reference = reduction->reference;
+  const PetscReal allowed = 0.9 * (config->tolerance - reduction->step_error);
+  ModalModel *smaller;
+  PetscReal *weight;
+
+  PetscFunctionBeginUser;
+  if (!config->second_stage || allowed <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((size_t)reduction->p, &weight));
+  PetscCall(port_weights(reduction, weight));
+  PetscCall(second_stage_truncate(reduction->modal, weight, reduction->system->singular, reference->n_times,
+                                  reference->time, allowed, &smaller));
+  PetscCall(PetscFree(weight));
+  if (!smaller) PetscFunctionReturn(PETSC_SUCCESS);
+  log_info(reduction->log, "second stage: %d states become %d", (int)reduction->modal->r, (int)smaller->r);
+  PetscCall(compare_stages(reduction, smaller));
+  PetscCall(modal_model_destroy(&reduction->modal));
+  reduction->modal = smaller;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode sort_pairs(PetscInt n, PetscReal *key, PetscReal *value)
+{
+  PetscFunctionBeginUser;
+  for (PetscInt i = 1; i < n; i++)
+    for (PetscInt k = i; k > 0 && key[k - 1] > key[k]; k--) {
+      const PetscReal swap_key = key[k], swap_value = value[k];
+      key[k] = key[k - 1], value[k] = value[k - 1];
+      key[k - 1] = swap_key, value[k - 1] = swap_value;
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Bounds at the solver's present shift and at frequencies spread over the band of rates, 1/t_end to 1/t_start. The
+ * reduction has seen real shifts only: no frequency is known to it. */
+static PetscErrorCode certify_transfer(Reduction *reduction, BV V, RomCertificate *certificate)
+{
+  const ReductionConfig *config = reduction->config;
+  const PetscReal present = shifted_solver_get_shift(reduction->solver);
+  PetscReal *frequency;
+  PetscInt n = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc2(1 + UNSEEN_FREQUENCIES, &certificate->frequency, 1 + UNSEEN_FREQUENCIES,
+                         &certificate->transfer_bound));
+  frequency = certificate->frequency;
+  if (present > 0.0) frequency[n++] = present;
+  for (PetscInt i = 0; i < UNSEEN_FREQUENCIES; i++) {
+    const PetscReal w =
+        pow(config->t_end / config->t_start, ((PetscReal)i + 0.5) / (PetscReal)UNSEEN_FREQUENCIES) / config->t_end;
+    if (present <= 0.0 || fabs(log(w / present)) > 0.1) frequency[n++] = w;
+  }
+  certificate->n_frequencies = (size_t)n;
+  shifted_solver_set_tolerance(reduction->solver, PetscMin(config->solver_rtol, 1e-6));
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(certificate_transfer_bound(reduction->system, V, reduction->modal, reduction->solver, frequency[i],
+                                         &certificate->transfer_bound[i]));
+  PetscCall(sort_pairs(n, frequency, certificate->transfer_bound));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *certificate)
+{
+  const ReductionConfig *config = reduction->config;
+  const StepReference *reference = reduction->reference;
+
+  PetscFunctionBeginUser;
+  certificate->n_times = (size_t)reference->n_times;
+  PetscCall(PetscMalloc2(certificate->n_times, &certificate->time, certificate->n_times, &certificate->step_error));
+  PetscCall(PetscArraycpy(certificate->time, reference->time, certificate->n_times));
+  PetscCall(step_reference_compare(reference, reduction->modal, certificate->step_error, &certificate->step_error_max));
+  certificate->step_error_max += reference->error;
+  certificate->met = certificate->step_error_max <= config->tolerance;
+  certificate->sampled_patches = reference->n_patches;
+  PetscCall(moments_compare(reduction->moments, reduction->modal, reference->u, &certificate->moment_error));
+  certificate->second_stage_bound = reduction->second_stage_bound;
+  PetscCall(certificate_orthogonality(reduction->system, V, &certificate->orthogonality));
+  PetscCall(certify_transfer(reduction, V, certificate));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void reduction_report(const Reduction *reduction, const RomCertificate *certificate)
+{
+  const ReductionConfig *config = reduction->config;
+  const PetscBool arnoldi = (PetscBool)(config->method == REDUCTION_ARNOLDI);
+  double bound = 0.0;
+
+  for (size_t i = 0; i < certificate->n_frequencies; i++) bound = fmax(bound, certificate->transfer_bound[i]);
+  log_info(reduction->log,
+           "certificate: steps on %ld sampled patches, all together and the ambient differ from the full model "
+           "by at most %.2e of the largest rise from %g to %g s; transfer function by at most %.2e at %zu unseen "
+           "frequencies; orthogonality defect %.1e",
+           certificate->sampled_patches, certificate->step_error_max, config->t_start, config->t_end, bound,
+           certificate->n_frequencies, certificate->orthogonality);
+  if (certificate->met)
+    log_info(reduction->log, "the tolerance %.2e is met with %d states", config->tolerance, (int)reduction->modal->r);
+  else
+    log_warn(reduction->log, "the tolerance %.2e is NOT met: the error is %.2e with %d states", config->tolerance,
+             certificate->step_error_max, (int)reduction->modal->r);
+  if (arnoldi && certificate->step_error_max > ARNOLDI_WARNING)
+    log_warn(reduction->log,
+             "method arnoldi: %ld moments at %g 1/s know little of times near %g s (error %.1f %%); method rational "
+             "reaches the tolerance",
+             config->moments, config->s0, config->t_start, 100.0 * certificate->step_error_max);
+}

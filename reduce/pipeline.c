@@ -1,0 +1,166 @@
+#include "reduce/pipeline.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include "reduce/collective.h"
+#include "reduce/io/rom_output.h"
+#include "reduce/mesh/mould_geometry.h"
+#include "reduce/pipeline_report.h"
+#include "reduce/petsc_compat.h"
+
+typedef struct Pipeline {
+  const PipelineTask *task;
+  MPI_Comm comm;
+  PetscMPIInt rank;
+  ReduceConfig *config;
+  Log *log; // rank 0
+  MouldMesh *mesh;
+  ThermalSystem *system;
+  ReducedModel *model;
+} Pipeline;
+
+/* Rank 0 reads the file; the others parse the same text. */
+static PetscErrorCode read_config(Pipeline *pipeline)
+{
+  CastError err = {CAST_OK, ""};
+  CastStatus status = CAST_OK;
+  unsigned long length = 0;
+  char *text = NULL;
+
+  PetscFunctionBeginUser;
+  if (pipeline->rank == 0) {
+    status = reduce_config_read(pipeline->task->input_path, NULL, &pipeline->config, &err);
+    if (status == CAST_OK) length = strlen(pipeline->config->input_text) + 1;
+  }
+  PetscCall(collective_check(pipeline->comm, status, &err));
+  PetscCallMPI(MPI_Bcast(&length, 1, MPI_UNSIGNED_LONG, 0, pipeline->comm));
+  PetscCall(PetscMalloc1(length, &text));
+  if (pipeline->rank == 0) PetscCall(PetscArraycpy(text, pipeline->config->input_text, length));
+  PetscCallMPI(MPI_Bcast(text, (PetscMPIInt)length, MPI_CHAR, 0, pipeline->comm));
+  if (pipeline->rank != 0) status = reduce_config_read(pipeline->task->input_path, text, &pipeline->config, &err);
+  PetscCall(PetscFree(text));
+  PetscCall(collective_check(pipeline->comm, status, &err));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Better known now than after the reduction. */
+static CastStatus check_output_folder(const char *rom_path, CastError *err)
+{
+  const char *slash = strrchr(rom_path, '/');
+  char *folder = slash ? strndup(rom_path, (size_t)(slash - rom_path) + 1) : strdup(".");
+  CAST_CHECK(folder, err, CAST_ERR_MEMORY, "no memory for the output's path");
+  const int refused = access(folder, W_OK);
+  const CastStatus status =
+      refused ? cast_error_set(err, CAST_ERR_IO, "output.file: '%s' cannot be written: folder '%s': %s", rom_path,
+                               folder, strerror(errno))
+              : CAST_OK;
+  free(folder);
+  return status;
+}
+
+static CastStatus open_log(Pipeline *pipeline, CastError *err)
+{
+  const char *rom_path = pipeline->config->rom_path;
+  CAST_CALL(check_output_folder(rom_path, err));
+  char *path = malloc(strlen(rom_path) + 5);
+  CAST_CHECK(path, err, CAST_ERR_MEMORY, "no memory for the log");
+  sprintf(path, "%s.log", rom_path);
+  unlink(path); // the log tells of one run
+  const CastStatus status = log_open(path, pipeline->task->quiet, &pipeline->log, err);
+  free(path);
+  return status;
+}
+
+static PetscErrorCode start(Pipeline *pipeline)
+{
+  CastError err = {CAST_OK, ""};
+  CastStatus status = CAST_OK;
+
+  PetscFunctionBeginUser;
+  PetscCall(read_config(pipeline));
+  if (pipeline->rank == 0) status = open_log(pipeline, &err);
+  PetscCall(collective_check(pipeline->comm, status, &err));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode run_steps(Pipeline *pipeline)
+{
+  RomOutputRun run = {.command = pipeline->task->command, .log = pipeline->log};
+  PetscMPIInt size;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_size(pipeline->comm, &size));
+  log_info(pipeline->log, "%s", pipeline->config->title);
+  log_info(pipeline->log, "meshing %s on %d %s", pipeline->config->geometry_path, size, size == 1 ? "rank" : "ranks");
+  const double begin = log_wall_time();
+  PetscCall(mould_mesh_create(pipeline->comm, pipeline->config, &pipeline->mesh));
+  const double meshed = log_wall_time();
+  run.seconds_mesh = meshed - begin;
+  PetscCall(pipeline_report_mesh(pipeline->mesh, pipeline->config, run.seconds_mesh, pipeline->log));
+  PetscCall(thermal_system_create(pipeline->mesh, pipeline->config, &pipeline->system));
+  run.seconds_assembly = log_wall_time() - meshed;
+  log_info(pipeline->log, "assembled %" PetscInt_FMT " unknowns, %" PetscInt_FMT " patches (%.1f s)",
+           pipeline->system->n, pipeline->system->m, run.seconds_assembly);
+  PetscCall(reduced_model_create(pipeline->system, &pipeline->config->reduction, pipeline->log, &pipeline->model));
+  PetscCall(rom_output_write(pipeline->config, pipeline->mesh, pipeline->system, pipeline->model, &run));
+  log_info(pipeline->log, "wrote %s: %" PetscInt_FMT " states for %" PetscInt_FMT " unknowns (%.1f s in all)",
+           pipeline->config->rom_path, pipeline->model->r, pipeline->system->n, log_wall_time() - begin);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode release(Pipeline *pipeline)
+{
+  PetscFunctionBeginUser;
+  PetscCall(reduced_model_destroy(&pipeline->model));
+  PetscCall(thermal_system_destroy(&pipeline->system));
+  PetscCall(mould_mesh_destroy(&pipeline->mesh));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode pipeline_run(MPI_Comm comm, const PipelineTask *task)
+{
+  Pipeline pipeline = {.task = task, .comm = comm};
+  PetscErrorCode ierr;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &pipeline.rank));
+  ierr = start(&pipeline);
+  if (!ierr) ierr = run_steps(&pipeline);
+  if (!ierr)
+    ierr = release(&pipeline); // after a failure PETSc's objects may be half made: left to the end of the process
+  log_close(&pipeline.log);
+  reduce_config_destroy(&pipeline.config);
+  PetscFunctionReturn(ierr);
+}
+
+static CastStatus check_geometry(const ReduceConfig *config, CastError *err)
+{
+  MouldGeometry *geometry = NULL;
+  CAST_CALL(mould_geometry_open(config, &geometry, err));
+  reduce_config_print(config, stdout);
+  pipeline_report_geometry(geometry, stdout);
+  mould_geometry_close(&geometry);
+  return CAST_OK;
+}
+
+PetscErrorCode pipeline_check(MPI_Comm comm, const PipelineTask *task)
+{
+  Pipeline pipeline = {.task = task, .comm = comm};
+  CastError err = {CAST_OK, ""};
+  CastStatus status = CAST_OK;
+  PetscErrorCode ierr;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(comm, &pipeline.rank));
+  ierr = read_config(&pipeline);
+  if (!ierr) {
+    if (pipeline.rank == 0) status = check_geometry(pipeline.config, &err);
+    ierr = collective_check(comm, status, &err);
+  }
+  reduce_config_destroy(&pipeline.config);
+  PetscFunctionReturn(ierr);
+}

@@ -1,0 +1,21 @@
+/* pipeline.h - what the subcommands of castreduce do, step by step. */
+#ifndef REDUCE_PIPELINE_H
+#define REDUCE_PIPELINE_H
+
+#include <petscsys.h>
+#include <stdbool.h>
+
+typedef struct PipelineTask {
+  const char *input_path; // mould.yaml
+  const char *command;    // the command line, for provenance
+  bool quiet;             // no messages but warnings on the terminal
+} PipelineTask;
+
+/* mould.yaml -> mesh -> E, K, B -> reduced model -> ROM file. Messages go to the terminal and to a log beside the ROM
+ * file. Collective; user's faults are PETSC_ERR_USER with a message for a person, raised by all ranks. */
+PetscErrorCode pipeline_run(MPI_Comm comm, const PipelineTask *task);
+/* Read the input and open the geometry, without meshing; print on rank 0 everything as it was understood. Collective.
+ */
+PetscErrorCode pipeline_check(MPI_Comm comm, const PipelineTask *task);
+
+#endif
