@@ -1,8 +1,15 @@
 /* coupling.h - heat between melt and mould: steps 2 and 3 of the loop, and the independent energy ledger.
- * surface:  q_i = (T_i - T_l)/(1/h_contact + d_i/kappa_i) on an area A_i, d_i the distance to the wall, T_l the patch
- *           temperature; A_i = 2 V_i |sum_wall V_j grad W_ij|, normalised so that a patch's areas add up to its wetted area.
+ * surface:  q_il = A_il (T_i - T_l)/(1/h_contact + d_il/kappa_i): fluid particle i, patch l, d_il the distance to the
+ *           wall there, T_l the patch temperature; A_il = 2 V_i sum_j V_j F_ij (r_ij . n_j) over the patch's wall
+ *           particles (2 V_i |sum V_j grad W_ij| where the wall is flat), normalised so that a patch's areas add up
+ *           to its wetted area. The mould's own conductivity does not enter.
  * embedded: wall particles take the mould's temperature at their own place (ROM basis, band tetrahedra) and exchange by
- *           the pair formula, 1/h_contact in series. */
+ *           the pair formula, 1/h_contact in series; the heat goes to the patch of the wall particle's foot.
+ * One step of a run:
+ *   neighbours_update; if it rebuilt: coupling_rebuild
+ *   sph_rates
+ *   coupling_advance           heat of the walls added to particles->heat, the mould one step on
+ *   sph_finish */
 #ifndef CAST_MOULD_COUPLING_H
 #define CAST_MOULD_COUPLING_H
 
@@ -15,37 +22,68 @@ typedef enum CouplingKind { COUPLING_SURFACE, COUPLING_EMBEDDED } CouplingKind;
 
 typedef struct CouplingParameters {
   CouplingKind kind;
-  double h_contact; // W/(m2 K); INFINITY: perfect contact (the paper)
+  double h_contact;  // W/(m2 K); INFINITY: perfect contact (the paper)
   bool mould_frozen; // the mould keeps its preheat temperature (to measure what the mould solve costs and changes)
 } CouplingParameters;
 
 typedef struct Coupling Coupling;
 
-/*  surface, rom  borrowed. Wall particles' temperatures (embedded) and nearest triangles are kept inside. */
+/* particles' E must be set: the ledger starts here.
+ *   sph, rom, surface  borrowed, must outlive the coupling; surface may be NULL for `embedded`, which then tells no
+ *                      wetted area
+ * Errors: CAST_ERR_ARGUMENT; CAST_ERR_INPUT for h_contact <= 0, and for `embedded` where the ROM has no band or several
+ * mould materials of different conductivity; CAST_ERR_MEMORY. */
 CastStatus coupling_create(const CouplingParameters *parameters, const SphParameters *sph, const RomData *rom,
                            const Surface *surface, const Particles *particles, Coupling **coupling, CastError *err);
 void coupling_destroy(Coupling **coupling);
-/* After neighbours_update rebuilt its lists: nearest triangles, wetted areas. */
-CastStatus coupling_rebuild(Coupling *coupling, const Particles *particles, const Neighbours *neighbours, CastError *err);
-/* Add the heat from the mould to particles->heat (W) and fill the patch flows q [m] W (into the mould). The power the
- * fluid loses equals the sum of q to rounding; sums are in double, in a fixed order. */
+/* After neighbours_update rebuilt its lists: who touches which patch, wetted areas. Errors: CAST_ERR_MEMORY. */
+CastStatus coupling_rebuild(Coupling *coupling, const Particles *particles, const Neighbours *neighbours,
+                            CastError *err);
+
+/* The exchange over one step and the mould's step. Adds the (mean) heat from the mould to particles->heat (W) and
+ * leaves the (mean) patch flows in coupling_flow. Where the plain staggered exchange would be unstable (stiffness
+ * above 0.5, or a particle that the wall would overshoot), exchange and mould take n equal sub-steps: the particles
+ * near the wall change their enthalpy by the wall's heat and their share of the heat already in particles->heat
+ * (conduction), and take its temperature; all else stands still meanwhile.
+ * Errors: CAST_ERR_ARGUMENT where coupling_rebuild was missed; CAST_ERR_NUMERIC where 4096 sub-steps are not enough. */
+CastStatus coupling_advance(Coupling *coupling, RomState *state, Particles *particles, const Neighbours *neighbours,
+                            double dt, CastError *err);
+long coupling_substeps(const Coupling *coupling); // of the last coupling_advance
+
+/* The two halves of a plain step, for callers that watch stability themselves.
+ * exchange: add the heat from the mould to particles->heat (W) and fill the patch flows q [m] W (into the mould). The
+ * power the fluid loses equals the sum of q to rounding; sums are in double, in a fixed order. Sets T of wall
+ * particles. */
 void coupling_exchange(Coupling *coupling, const RomState *state, Particles *particles, const Neighbours *neighbours);
-const double *coupling_flow(const Coupling *coupling); // [m] W
-double coupling_wetted_area(const Coupling *coupling, size_t patch); // m2
-/* Advance the mould by dt with the flows just gathered (sub-cycling is not needed for one constant flow: the update is
- * exact); refresh wall temperatures. */
+/* Advance the mould by dt with the flows just gathered (the update is exact for constant flows). */
 void coupling_step_mould(Coupling *coupling, RomState *state, Particles *particles, double dt);
-/* The effective conductance that the exchange presents to the mould, W/(m2 K), for the stability check. */
+
+const double *coupling_flow(const Coupling *coupling);                // [m] W
+double coupling_wetted_area(const Coupling *coupling, size_t patch);  // m2, of the last rebuild
+double coupling_contact_area(const Coupling *coupling, size_t patch); // m2, sum of the areas A_il (0 for embedded)
+
+/* The effective conductance that the last exchange presented to the mould, W/(m2 K): the largest, over patches, of
+ * (sum of a patch's conductances)/(its area). */
 double coupling_conductance(const Coupling *coupling);
+/* Is a plain step of dt stable, with the conductances of the last exchange? stiffness: largest eigenvalue of
+ * D^(1/2) G(dt) D^(1/2), see rom_state.h; the limit is 0.5. */
+bool coupling_check_stability(const Coupling *coupling, const RomState *state, double dt, double *stiffness);
 
 /* Melt + mould (1^T E V z) + lost, against the start: what a run's books show. */
 typedef struct EnergyLedger {
   double melt_start, melt_now; // J
   double mould_now;            // J above preheat, from the state
-  double lost;                 // J to the surroundings
+  double lost;                 // J to the surroundings; with a frozen mould what went into that
   double exchanged;            // J, sum over steps and patches of |q| dt
   double removed;              // J carried by melt that left through an opening (0 if none)
   double residual;             // J: melt_now - melt_start + mould_now + lost + removed
 } EnergyLedger;
 EnergyLedger coupling_ledger(const Coupling *coupling, const RomState *state, const Particles *particles);
+/* Melt left with this enthalpy, J (negative: it came in). */
+void coupling_record_removed(Coupling *coupling, double joules);
+
+/* For checkpoints: everything that changes during a run and is not made anew by coupling_rebuild. */
+enum { COUPLING_SIZE = 7 }; // doubles
+void coupling_save(const Coupling *coupling, double buffer[COUPLING_SIZE]);
+void coupling_restore(Coupling *coupling, const double buffer[COUPLING_SIZE]);
 #endif

@@ -20,14 +20,21 @@ const double *rom_state_patch_temperature(const RomState *state); // [m] K
 const double *rom_state_z(const RomState *state);                 // [r]
 double rom_state_preheat(const RomState *state);
 double rom_state_heat(const RomState *state); // J above preheat, constant^T z: from the state, not from the flows
-double rom_state_lost(const RomState *state); // J to the surroundings so far: exact integral of the losses over each step
-/* Largest eigenvalue of h_eff G(dt), G(dt) = B^T phi(Lambda, dt) B scaled by patch areas: the staggered exchange is
- * stable below 1, and 0.5 is the limit used. */
+double
+rom_state_lost(const RomState *state); // J to the surroundings so far: exact integral of the losses over each step
+/* Largest eigenvalue of D^(1/2) G(dt) D^(1/2), dimensionless: G(dt) = B^T phi(Lambda, dt) B, K/W, is what a flow of one
+ * step adds to the patch temperatures, D = diag(conductance) what a patch temperature takes off the flows.
+ *   conductance  [m] W/K, >= 0 */
+double rom_state_stiffness_of(const RomState *state, const double *conductance, double dt);
+/* The same with D = h_eff times the areas of the cavity's patches: all of the cavity in contact. The staggered exchange
+ * is stable below 1, and 0.5 is the limit used. INFINITY for an infinite h_eff. */
 double rom_state_stiffness(const RomState *state, double h_eff, double dt);
 /* Temperature, K, at the ROM's geometry points [n_points]. */
 void rom_state_point_temperature(const RomState *state, double *temperature);
+/* Multiplications and additions of one step: what the paper counts. */
+double rom_state_flops(const RomState *state);
 /* For checkpoints: everything that changes during a run. */
-size_t rom_state_size(const RomState *state);                    // doubles
+size_t rom_state_size(const RomState *state); // doubles
 void rom_state_save(const RomState *state, double *buffer);
 void rom_state_restore(RomState *state, const double *buffer);
 #endif

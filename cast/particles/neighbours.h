@@ -17,9 +17,18 @@ typedef struct PairList {
 
 typedef struct Neighbours Neighbours;
 
+/* A skin, m, that measured best for particles of this spacing (docs/performance): longer lists cost every step, shorter
+ * ones are rebuilt more often. */
+double neighbours_skin(double spacing);
 /*  reach    m: the kernel's support radius;  skin  m: added to it, so lists last until something moved skin/2
  *  surface  borrowed; pairs that the mould separates are left out (NULL: no such test) */
 CastStatus neighbours_create(double reach, double skin, const Surface *surface, Neighbours **neighbours, CastError *err);
+/* The same in a domain that repeats: period[d] m along axis d, 0: it does not. Fluid particles are brought back into
+ * [0, period) when lists are rebuilt, walls must lie there. For channels; no surface.
+ * Errors also: CAST_ERR_ARGUMENT for a period below 2.5 (reach + skin), where a pair would meet its own image. */
+CastStatus neighbours_create_periodic(double reach, double skin, const double period[3], Neighbours **neighbours,
+                                      CastError *err);
+const double *neighbours_period(const Neighbours *neighbours); // [3] m, 0 where the domain does not repeat
 void neighbours_destroy(Neighbours **neighbours);
 /* Rebuild if a particle moved more than skin/2 since the last build, or `force`. Re-sorts the fluid particles in space
  * (all their fields). `rebuilt` tells whether indices changed. Errors: CAST_ERR_MEMORY; CAST_ERR_NUMERIC for a position

@@ -4,6 +4,7 @@
 #ifndef CAST_PARTICLES_PARTICLES_H
 #define CAST_PARTICLES_PARTICLES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "cast/geometry/walls.h"
@@ -17,21 +18,39 @@ typedef struct Particles {
   double *rho;     // [n] kg/m3 (wall: from the extrapolated pressure)
   double *drho;    // [n] kg/(m3 s)
   double *p;       // [n] Pa
-  double *mass;    // [n] kg
+  double *mass;    // [n] kg; one value for all fluid particles
   double *volume;  // [n] m3: fluid mass/rho, refreshed with rho; wall constant
   double *E;       // [n] J/kg enthalpy
   double *heat;    // [n] W, rate of change of mass*E
   double *T;       // [n] K (wall: of the mould there)
   double *kappa;   // [n] W/(m K)
   double *mu;      // [n] Pa s
-  int32_t *id;     // [n]
+  double *rho_start; // [n] kg/m3 at the start of the step; drho is applied to it once it is known (sph.h)
+  double *drho_last; // [n] kg/(m3 s), drho of the step before (NaN: there was none): predicts the density for forces
+  double *clearance; // [n] m, at least this far from the mould's surface (may be too small; 0: not known)
+  int32_t *id;       // [n]
   // wall only, index k = i - n_fluid
   double *foot[3], *normal[3], *depth; // see walls.h
+  double *wall_v[3];                   // m/s, the wall's own velocity (zero; tests move walls)
   int32_t *patch;
+  uint8_t *echo;  // see walls.h
+  double *record; // [n * RECORD_SIZE] what pair sums need of a particle, side by side; scratch of physics/, stale elsewhere
 } Particles;
 
-/* Fluid at rest at the n_fluid points given, followed by the walls. Fields other than x, mass, volume, rho, id and the
- * wall's own are zero. mass = rho0 spacing^3. Errors: CAST_ERR_MEMORY. */
+enum { RECORD_SIZE = 12 };
+
+/* The fields that belong to a fluid particle and move with it when particles are re-sorted: all of the [n] ones but id.
+ * What a checkpoint must keep of the fluid is these and id. */
+enum { PARTICLE_FIELDS = 22 };
+typedef struct ParticleField {
+  const char *name; // "x", "rho_start"..
+  const char *unit; // "m", "kg/m3"..
+  double *data;     // [n], borrowed
+} ParticleField;
+void particles_fields(const Particles *particles, ParticleField field[PARTICLE_FIELDS]);
+
+/* Fluid at rest at the n_fluid points given, followed by the walls (NULL: none). Fields other than x, mass, volume, rho,
+ * id and the wall's own are zero. mass = rho0 spacing^3; walls have mass = rho0 volume. Errors: CAST_ERR_MEMORY. */
 CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacing, double rho0, const WallSet *walls,
                             Particles *particles, CastError *err);
 void particles_destroy(Particles *particles);

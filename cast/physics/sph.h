@@ -1,11 +1,17 @@
-/* sph.h - the melt's step: weakly compressible SPH (DESIGN: docs/theory, melt).
+/* sph.h - the melt's step: weakly compressible SPH (docs/theory, The melt).
  * One step of velocity Verlet reads, in sim.c:
- *   sph_drift        v += a dt/2, x += v dt, rho += drho dt      (wall guard: nothing enters the mould)
+ *   sph_drift          v += a dt/2, x += v dt, density predicted     (wall guard: nothing enters the mould)
  *   neighbours_update
- *   sph_forces       wall pressure and velocity by extrapolation, drho, p, a (pressure, viscosity, body forces)
- *   sph_conduction   heat between fluid particles (sets particles->heat)
+ *   sph_rates          wall pressure and velocity by extrapolation; then in one pass over all pairs drho, a (pressure,
+ *                      viscosity, body forces) and heat between fluid particles
  *   coupling_exchange, rom_state_step
- *   sph_finish       v += a dt/2, E += heat dt/mass, T = T(E), kappa(T), mu(T) */
+ *   sph_finish         v += a dt/2, rho += drho dt, E += heat dt/mass, T = T(E), kappa(T), mu(T)
+ *
+ * Density and velocity. One pass over pairs must give both drho, which needs the new velocity, and a, which needs the new
+ * density. Forces are taken at a predicted density rho + dt (2 drho - drho_last), and the density then goes on from where
+ * it was with the drho just found, at the new place with the half-step velocity: symplectic Euler for the density itself.
+ * A sound wave of frequency w is then damped by (w dt)^4/2 a step and never grows for w dt < 0.7 (the sound limit of
+ * sph_time_step keeps it below about 0.4); with the plain prediction rho + dt drho it would grow at that rate. */
 #ifndef CAST_PHYSICS_SPH_H
 #define CAST_PHYSICS_SPH_H
 
@@ -30,25 +36,28 @@ typedef struct SphParameters {
   double alpha;        // artificial viscosity, 0: none
   bool cut_tension;    // pressures below zero are set to zero
   double gravity[3], extra[3]; // m/s2, constant
-  const Material *melt; // borrowed: T(E), kappa(T), mu(T)
+  const Material *melt; // borrowed: T(E), kappa(T), mu(T); NULL: T, kappa, mu stay as they are set
   bool frozen_flow;    // particles stay where they are (heat only: H1, H2, H4)
 } SphParameters;
 
 typedef struct SphLimits { // the time step and what sets it
-  double sound, force, viscosity, conduction; // s each
-  double step;                                // the least, times its safety factor
-  const char *which;
+  double sound, force, viscosity, conduction; // s each, safety factors included; INFINITY where there is none
+  double step;                                // the least
+  const char *which;                          // "sound", "force", "viscosity" or "conduction"
 } SphLimits;
 
-/* Set rho, p (hydrostatic start is the caller's), T, kappa and mu from E. */
+/* Once, before the first step: p and volume from rho (a hydrostatic start is the caller's), T, kappa and mu from E. */
 void sph_initialise(const SphParameters *sph, Particles *particles);
 SphLimits sph_time_step(const SphParameters *sph, const Particles *particles);
 /* Advance positions; a fluid particle that would enter the mould by more than a tenth of the spacing is set back to the
  * wall and loses its velocity into it. guarded: how many were. Errors: CAST_ERR_NUMERIC, naming the particle, place. */
 CastStatus sph_drift(const SphParameters *sph, Particles *particles, const Surface *surface, double dt, long *guarded,
                      CastError *err);
-void sph_forces(const SphParameters *sph, Particles *particles, const Neighbours *neighbours);
-void sph_conduction(const SphParameters *sph, Particles *particles, const Neighbours *neighbours);
+/* sph_forces and sph_conduction in one pass over the pairs: what a run calls. Sets drho, p, a, heat of the fluid (heat:
+ * of fluid pairs alone), p, v, rho of the wall. With frozen_flow: sph_conduction alone. */
+void sph_rates(const SphParameters *sph, Particles *particles, const Neighbours *neighbours);
+void sph_forces(const SphParameters *sph, Particles *particles, const Neighbours *neighbours);     // all but heat
+void sph_conduction(const SphParameters *sph, Particles *particles, const Neighbours *neighbours); // heat alone
 /* Errors: CAST_ERR_NUMERIC (NaN, density <= 0, speed beyond c0), naming the particle, its place and the value. */
 CastStatus sph_finish(const SphParameters *sph, Particles *particles, double dt, CastError *err);
 

@@ -1,0 +1,64 @@
+/* config.h - cast.yaml, parsed once into a const struct. docs/user-guide describes the file. All SI. */
+#ifndef CAST_CONFIG_H
+#define CAST_CONFIG_H
+
+#include "cast/mould/coupling.h"
+
+typedef struct BlockConfig { // a box of melt at the start
+  double corner[3], size[3]; // m
+  double temperature;        // K
+  double velocity[3];        // m/s
+} BlockConfig;
+
+typedef struct PointConfig { // a probe (fixed) or a tracer (the particle nearest at the start)
+  char name[ROM_NAME_LENGTH];
+  double x[3]; // m
+} PointConfig;
+
+typedef struct OutputConfig {
+  char *folder;            // resolved against the input file's folder
+  double every;            // s of simulated time between frames of the results
+  double curves_every;     // s of simulated time between rows of the CSV files
+  double checkpoint_every; // s of wall time
+  bool mould_fields;       // write the mould's temperature
+  size_t n_probes, n_tracers;
+  PointConfig *probe, *tracer;
+} OutputConfig;
+
+typedef struct CastConfig {
+  char *title;
+  char *rom_path;          // resolved against the input file's folder
+  double preheat, ambient; // K
+  Material melt;
+  char *melt_reference;    // the name or path of its file as written; NULL: inline
+  double melt_temperature; // K
+  size_t n_blocks;
+  BlockConfig *block;
+  bool has_level;                     // melt fills the cavity below this height at the start
+  double level;                       // m
+  double gravity[3], acceleration[3]; // m/s2
+  CouplingParameters coupling;
+  double spacing; // m
+  KernelKind kernel;
+  double smoothing;   // h/spacing
+  double sound_speed; // m/s; 0: from the largest speed and pressure expected
+  SphDensity density;
+  double density_diffusion, artificial_viscosity;
+  bool cut_tension;
+  double end;  // s
+  double step; // s; 0: from the limits of sph_time_step and of the exchange with the mould
+  RomScheme scheme;
+  OutputConfig output;
+  char *input_path, *input_text;
+} CastConfig;
+
+/* Errors: CAST_ERR_INPUT with all faults, one a line. `text` NULL: read the file. */
+CastStatus cast_config_read(const char *path, const char *text, CastConfig **config, CastError *err);
+void cast_config_destroy(CastConfig **config);
+
+/* The input with every default filled in, SI, as a text that castrun reads again to the same bits; paths are absolute.
+ *   sound_speed  m/s, what "auto" came to; 0: leave it as it was written
+ *   text         out: owned by the caller */
+CastStatus cast_config_resolved(const CastConfig *config, double sound_speed, char **text, CastError *err);
+
+#endif

@@ -1,0 +1,179 @@
+#include "cast/io/filling.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cast/geometry/placement.h"
+
+const double filling_levels[FILLING_LEVELS] = {0.5, 0.9, 0.99};
+
+static const double COVER = 0.9;         // of a cell's edge
+static const double MOST_CELLS = 32.0e6; // of the box that holds the cavity; beyond it cells are made larger
+
+struct Filling {
+  CavityCells cells;
+  double low[3], cell; // m
+  ptrdiff_t count[3];
+  int32_t *at;                       // [count] cavity cell there; -1: none
+  uint8_t *filled;                   // [cells.n]
+  double *volume, *fraction;         // [n_surfaces + 1]
+  double (*reached)[FILLING_LEVELS]; // [n_surfaces + 1] s
+};
+
+static void measure_grid(Filling *f, const double origin[3])
+{
+  for (int d = 0; d < 3; d++) {
+    double low = INFINITY, high = -INFINITY;
+    for (ptrdiff_t i = 0; i < f->cells.n; i++) {
+      low = fmin(low, f->cells.x[d][i]);
+      high = fmax(high, f->cells.x[d][i]);
+    }
+    const double first = floor((low - origin[d]) / f->cell), last = floor((high - origin[d]) / f->cell);
+    f->low[d] = origin[d] + first * f->cell;
+    f->count[d] = (ptrdiff_t)(last - first) + 1;
+  }
+}
+
+static ptrdiff_t index_along(const Filling *f, int d, double x)
+{
+  return (ptrdiff_t)floor((x - f->low[d]) / f->cell);
+}
+
+static CastStatus sort_cells(Filling *f, CastError *err)
+{
+  const size_t n = (size_t)(f->count[0] * f->count[1] * f->count[2]), features = f->cells.n_surfaces + 1;
+  f->at = malloc(n * sizeof *f->at);
+  f->filled = calloc((size_t)f->cells.n + 1, 1);
+  f->volume = calloc(features, sizeof *f->volume);
+  f->fraction = calloc(features, sizeof *f->fraction);
+  f->reached = calloc(features, sizeof *f->reached);
+  CAST_CHECK(f->at && f->filled && f->volume && f->fraction && f->reached, err, CAST_ERR_MEMORY,
+             "no memory for the cavity's %td cells", f->cells.n);
+  for (size_t k = 0; k < n; k++) f->at[k] = -1;
+  for (ptrdiff_t i = 0; i < f->cells.n; i++) {
+    ptrdiff_t k[3];
+    for (int d = 0; d < 3; d++) {
+      const ptrdiff_t at = index_along(f, d, f->cells.x[d][i]);
+      k[d] = at < 0 ? 0 : at >= f->count[d] ? f->count[d] - 1 : at;
+    }
+    f->at[(k[2] * f->count[1] + k[1]) * f->count[0] + k[0]] = (int32_t)i;
+    f->volume[f->cells.surface[i]] += f->cells.volume[i];
+    f->volume[features - 1] += f->cells.volume[i];
+  }
+  for (size_t s = 0; s < features; s++)
+    for (int l = 0; l < FILLING_LEVELS; l++) f->reached[s][l] = NAN;
+  return CAST_OK;
+}
+
+CastStatus filling_create(const Surface *surface, const RomData *rom, double spacing, const double origin[3],
+                          Filling **filling, CastError *err)
+{
+  Filling *made = *filling = calloc(1, sizeof *made);
+  CAST_CHECK(made, err, CAST_ERR_MEMORY, "no memory for the filling");
+  double low[3], high[3];
+  surface_bounds(surface, low, high);
+  const double box = (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
+  made->cell = fmax(spacing, cbrt(box / MOST_CELLS));
+  CastStatus status = cavity_cells_create(surface, rom, made->cell, origin, &made->cells, err);
+  if (status == CAST_OK && made->cells.n > 0) measure_grid(made, origin);
+  if (status == CAST_OK) status = sort_cells(made, err);
+  if (status != CAST_OK) filling_destroy(filling);
+  return status;
+}
+
+void filling_destroy(Filling **filling)
+{
+  if (!filling || !*filling) return;
+  Filling *f = *filling;
+  cavity_cells_destroy(&f->cells);
+  free(f->at);
+  free(f->filled);
+  free(f->volume);
+  free(f->fraction);
+  free(f->reached);
+  free(f);
+  *filling = NULL;
+}
+
+/* Mark the cells around a particle that it covers. Threads may write the same byte: it is the same value. */
+static void cover(Filling *f, const double x[3])
+{
+  ptrdiff_t first[3], last[3];
+  for (int d = 0; d < 3; d++) {
+    const ptrdiff_t k = index_along(f, d, x[d]);
+    first[d] = k - 1 < 0 ? 0 : k - 1;
+    last[d] = k + 1 >= f->count[d] ? f->count[d] - 1 : k + 1;
+  }
+  const double reach2 = COVER * COVER * f->cell * f->cell;
+  for (ptrdiff_t c = first[2]; c <= last[2]; c++)
+    for (ptrdiff_t b = first[1]; b <= last[1]; b++)
+      for (ptrdiff_t a = first[0]; a <= last[0]; a++) {
+        const int32_t i = f->at[(c * f->count[1] + b) * f->count[0] + a];
+        if (i < 0) continue;
+        const double dx = f->cells.x[0][i] - x[0], dy = f->cells.x[1][i] - x[1], dz = f->cells.x[2][i] - x[2];
+        if (dx * dx + dy * dy + dz * dz > reach2) continue;
+#pragma omp atomic write
+        f->filled[i] = 1;
+      }
+}
+
+void filling_update(Filling *f, const Particles *p, double time)
+{
+  if (f->cells.n == 0) return;
+  memset(f->filled, 0, (size_t)f->cells.n);
+#pragma omp parallel for
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) cover(f, (const double[3]){p->x[0][i], p->x[1][i], p->x[2][i]});
+  const size_t features = f->cells.n_surfaces + 1;
+  for (size_t s = 0; s < features; s++) f->fraction[s] = 0.0;
+  for (ptrdiff_t i = 0; i < f->cells.n; i++) {
+    if (!f->filled[i]) continue;
+    f->fraction[f->cells.surface[i]] += f->cells.volume[i];
+    f->fraction[features - 1] += f->cells.volume[i];
+  }
+  for (size_t s = 0; s < features; s++) {
+    f->fraction[s] = f->volume[s] > 0.0 ? f->fraction[s] / f->volume[s] : 0.0;
+    for (int l = 0; l < FILLING_LEVELS; l++)
+      if (isnan(f->reached[s][l]) && f->fraction[s] >= filling_levels[l]) f->reached[s][l] = time;
+  }
+}
+
+size_t filling_n_features(const Filling *filling)
+{
+  return filling->cells.n_surfaces;
+}
+
+const char *filling_name(const Filling *filling, size_t feature)
+{
+  return feature < filling->cells.n_surfaces ? filling->cells.names[feature] : "whole cavity";
+}
+
+double filling_volume(const Filling *filling, size_t feature)
+{
+  return filling->volume[feature];
+}
+
+double filling_fraction(const Filling *filling, size_t feature)
+{
+  return filling->fraction[feature];
+}
+
+double filling_time(const Filling *filling, size_t feature, int level)
+{
+  return filling->reached[feature][level];
+}
+
+size_t filling_state_size(const Filling *filling)
+{
+  return (filling->cells.n_surfaces + 1) * FILLING_LEVELS;
+}
+
+void filling_save(const Filling *filling, double *state)
+{
+  memcpy(state, filling->reached, filling_state_size(filling) * sizeof *state);
+}
+
+void filling_restore(Filling *filling, const double *state)
+{
+  memcpy(filling->reached, state, filling_state_size(filling) * sizeof *state);
+}

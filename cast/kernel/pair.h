@@ -1,0 +1,153 @@
+/* pair.h - every formula between two particles and of one particle's state, once.
+ * Pure inline functions of plain numbers: the vectorised loops of physics/ and the scalar tests use the same text.
+ *
+ * Kernels (q = r/h, W = norm w(q)/h^3, F = -W'/r = norm f(q)/h^5, f = -w'/q):
+ *   Wendland C2      w = (1 - q/2)^4 (2q + 1)                  q < 2   Wendland 1995
+ *   cubic spline     w = (2 - q)^3 - 4 (1 - q)^3               q < 2   Monaghan & Lattanzio 1985
+ *   quintic spline   w = (3 - q)^5 - 6 (2 - q)^5 + 15 (1 - q)^5  q < 3  Morris, Fox & Zhu 1997
+ *   Lucy             w = (1 + 3q)(1 - q)^3                     q < 1   Lucy 1977
+ * each bracket being zero where it would be negative. No branch and, but for the two splines, no division: these are
+ * evaluated for whole vectors of pairs, most of whose time is spent here. */
+#ifndef CAST_KERNEL_PAIR_H
+#define CAST_KERNEL_PAIR_H
+
+#include <math.h>
+
+#include "cast/kernel/kernel.h"
+
+#define PAIR_INLINE static inline __attribute__((always_inline, unused))
+
+static const double pair_pi = 3.14159265358979323846;
+
+PAIR_INLINE double positive(double a)
+{
+  return a > 0.0 ? a : 0.0;
+}
+
+PAIR_INLINE double cube(double a)
+{
+  return a * a * a;
+}
+
+PAIR_INLINE double shape_support(KernelKind kind)
+{
+  return kind == KERNEL_QUINTIC_SPLINE ? 3.0 : kind == KERNEL_LUCY ? 1.0 : 2.0;
+}
+
+PAIR_INLINE double shape_norm(KernelKind kind)
+{
+  switch (kind) {
+  case KERNEL_CUBIC_SPLINE:
+    return 1.0 / (4.0 * pair_pi);
+  case KERNEL_QUINTIC_SPLINE:
+    return 1.0 / (120.0 * pair_pi);
+  case KERNEL_LUCY:
+    return 105.0 / (16.0 * pair_pi);
+  case KERNEL_WENDLAND_C2:
+  default:
+    return 21.0 / (16.0 * pair_pi);
+  }
+}
+
+PAIR_INLINE double shape_value(KernelKind kind, double q)
+{
+  if (kind == KERNEL_CUBIC_SPLINE) return cube(positive(2.0 - q)) - 4.0 * cube(positive(1.0 - q));
+  if (kind == KERNEL_QUINTIC_SPLINE) {
+    const double a = positive(3.0 - q), b = positive(2.0 - q), c = positive(1.0 - q);
+    return cube(a) * a * a - 6.0 * cube(b) * b * b + 15.0 * cube(c) * c * c;
+  }
+  if (kind == KERNEL_LUCY) return (1.0 + 3.0 * q) * cube(positive(1.0 - q));
+  const double s = positive(1.0 - 0.5 * q);
+  return cube(s) * s * (2.0 * q + 1.0);
+}
+
+PAIR_INLINE double shape_slope(KernelKind kind, double q)
+{
+  if (kind == KERNEL_CUBIC_SPLINE) {
+    const double a = positive(2.0 - q), b = positive(1.0 - q);
+    // near q = 0 the quotient is 12 - 9 q; the numerator is exactly that times q for q < 1
+    return q < 1.0 ? 12.0 - 9.0 * q : (3.0 * a * a - 12.0 * b * b) / q;
+  }
+  if (kind == KERNEL_QUINTIC_SPLINE) {
+    const double a = positive(3.0 - q), b = positive(2.0 - q);
+    // for q < 1 the brackets' constant terms cancel: 5 a^4 - 30 b^4 + 75 c^4 = q (120 - 120 q^2 + 50 q^3)
+    return q < 1.0 ? 120.0 - 120.0 * q * q + 50.0 * cube(q) : (5.0 * a * cube(a) - 30.0 * b * cube(b)) / q;
+  }
+  if (kind == KERNEL_LUCY) {
+    const double s = positive(1.0 - q);
+    return 12.0 * s * s;
+  }
+  return 5.0 * cube(positive(1.0 - 0.5 * q));
+}
+
+/* ---- one particle's state ---- */
+
+/* Tait: p = rho0 c0^2/gamma ((rho/rho0)^gamma - 1)                                   (docs/theory, eq. 14) */
+PAIR_INLINE double tait_pressure(double rho, double rho0, double c0, double gamma)
+{
+  const double s = rho / rho0, s3 = s * s * s;
+  const double power = gamma == 7.0 ? s3 * s3 * s : pow(s, gamma);
+  return rho0 * c0 * c0 / gamma * (power - 1.0);
+}
+
+/* Its inverse; a pressure below that of vacuum (-rho0 c0^2/gamma) gives the density of nearly nothing. */
+PAIR_INLINE double tait_density(double p, double rho0, double c0, double gamma)
+{
+  const double s = 1.0 + p * gamma / (rho0 * c0 * c0);
+  return rho0 * pow(s > 1e-6 ? s : 1e-6, 1.0 / gamma);
+}
+
+/* What density diffusion evens out, kg/m3: integral dp/rho of Tait's equation less the potential of the body force g,
+ * times rho0/c0^2, so that near rho0 it is rho - rho0 - rho0 g.x/c0^2. In a fluid at rest grad p = rho g makes it
+ * uniform, exactly, so hydrostatic pressure is not diffused away: the aim of Fourtakas et al. 2019 (Comput. Fluids 190),
+ * who subtract a hydrostatic density difference pair by pair; as a field of each particle it costs nothing in the pair
+ * and holds for any gamma. (Antuono et al. 2010 get there by corrected gradients, a second pass over all pairs.) */
+PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double gamma, double g_dot_x)
+{
+  const double s = rho / rho0, s3 = s * s * s;
+  const double power = gamma == 7.0 ? s3 * s3 : pow(s, gamma - 1.0);
+  return rho0 * ((power - 1.0) / (gamma - 1.0) - g_dot_x / (c0 * c0));
+}
+
+/* ---- two particles; d = x_i - x_j, u = v_i - v_j; F is kernel_slope ---- */
+
+/* Continuity with density diffusion, drho_i/dt = sum V_j (-rho_i u.d + 2 delta h c0 (eta_j - eta_i)) F    (eq. 13) */
+PAIR_INLINE double pair_continuity(double volume_j, double rho_i, double u_dot_d, double F)
+{
+  return -volume_j * F * rho_i * u_dot_d;
+}
+
+PAIR_INLINE double pair_diffusion(double volume_j, double strength, double eta_i, double eta_j, double F)
+{
+  return volume_j * F * (strength * (eta_j - eta_i));
+}
+
+/* Pressure: dv_i/dt = d pair_pressure, with P = p/rho^2; -grad W = d F                                  (eq. 15) */
+PAIR_INLINE double pair_pressure(double mass_j, double P_i, double P_j, double artificial, double F)
+{
+  return mass_j * F * ((P_i + P_j) + artificial);
+}
+
+/* Artificial viscosity (Monaghan 1992): what is added to P_i + P_j where two particles approach, u.d < 0;
+ * per_r2_plus = 1/(r^2 + 0.01 h^2),
+ * strength = alpha c0 h/rho0 (the mean density replaced by rho0: within the 1 % of weak compressibility). */
+PAIR_INLINE double pair_artificial(double strength, double u_dot_d, double per_r2_plus)
+{
+  return strength * positive(-u_dot_d) * per_r2_plus;
+}
+
+/* Viscosity: dv_i/dt = -u pair_viscosity; 4 mu mu/(mu + mu) keeps the stress continuous where mu jumps   (eq. 15) */
+PAIR_INLINE double pair_viscosity(double volume_j, double per_rho_i, double mu_i, double mu_j, double per_mu_sum, double F)
+{
+  return volume_j * F * per_rho_i * (4.0 * (mu_i * mu_j) * per_mu_sum);
+}
+
+/* Heat from j to i, W. Every factor is symmetric in i and j but the last, which changes sign: what i gains j loses, to
+ * the last bit. (eq. 16) */
+PAIR_INLINE double pair_heat(double volume_i, double volume_j, double kappa_i, double kappa_j, double per_kappa_sum,
+                             double T_i, double T_j, double F)
+{
+  return (volume_i * volume_j) * (4.0 * (kappa_i * kappa_j) * per_kappa_sum) * F * (T_j - T_i);
+}
+
+#endif

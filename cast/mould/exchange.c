@@ -1,0 +1,250 @@
+/* Heat between melt and mould.
+ *
+ * Method  An exchange is: conductances of all pairs from where the particles are (once a step); power of each contact,
+ *         K (T_i - T_sink), each particle for itself; patch flows as sums over each patch's contacts in ascending
+ *         order, in double: same bits at any thread count, and what the patches get is what the particles give.
+ * Stability  The staggered exchange is a fixed-point iteration of T_patch = .. + G(dt) D (T_melt - T_patch). It is
+ *         stable while the largest eigenvalue of D^(1/2) G D^(1/2) is below 1, bounded here by max(D_l/A_l) g(dt),
+ *         with g that of A^(1/2) G A^(1/2), which grows with dt and is kept in a table of steps a factor 2^(1/4)
+ *         apart. A particle is stable while K_i dt/(m_i c) < 1. Both are held below 1/2 by as many equal sub-steps as
+ *         it takes.
+ * References  docs/theory, section 5 */
+#include "cast/mould/coupling_private.h"
+
+#include <assert.h>
+
+#include "cast/kernel/pair.h"
+
+enum { MOST_SUBSTEPS = 4096 };
+
+/* ---- conductances: once a step ---- */
+
+static double surface_conductance(const Coupling *c, const Particles *p, ptrdiff_t i, ptrdiff_t contact)
+{
+  const double *plane = c->contacts.plane[contact];
+  const double along = plane[0] * p->x[0][i] + plane[1] * p->x[1][i] + plane[2] * p->x[2][i] + plane[3];
+  const double distance = fmax(along, c->rules.least_distance);
+  return c->contacts.area[contact] / (1.0 / c->parameters.h_contact + distance / p->kappa[i]);
+}
+
+/* The pair formula with three resistances in series, of which the outer two are as thick as the bodies are:
+ * 2 V_i V_j F (r_ij . n_j) (T_i - T_j)/(d_i/kappa_i + 1/h_contact + d_j/kappa_j). For equal distances and perfect
+ * contact it is the paper's, V_i V_j F 4 kappa_i kappa_j/(kappa_i + kappa_j). Volumes V_j are those of the cut cells:
+ * with them sum_j over a flat wall gives its area wherever the lattice stands. */
+static double embedded_conductance(const Coupling *c, const Particles *p, ptrdiff_t i, ptrdiff_t k)
+{
+  const ptrdiff_t j = p->n_fluid + k;
+  double r2 = 0.0, across = 0.0, lift = 0.0;
+  for (int d = 0; d < 3; d++) {
+    double r = p->x[d][i] - p->x[d][j];
+    if (c->period[d] > 0.0) r -= c->period[d] * floor(r / c->period[d] + 0.5);
+    r2 += r * r;
+    across += r * p->normal[d][k];
+    lift += (p->x[d][j] - p->foot[d][k]) * p->normal[d][k];
+  }
+  const double h = c->sph->h, distance = across + lift;
+  if (across <= 0.0 || distance < -0.2 * c->sph->spacing) return 0.0;
+  const double F = shape_norm(c->sph->kernel) / (h * h * h * h * h) * shape_slope(c->sph->kernel, sqrt(r2) / h);
+  const double resistance = fmax(distance, c->rules.least_distance) / p->kappa[i] + 1.0 / c->parameters.h_contact +
+                            wall_temperature_depth(c->walls)[k] / c->mould_kappa;
+  return 2.0 * p->volume[i] * p->volume[j] * F * across / resistance;
+}
+
+static void set_conductances(Coupling *c, const Particles *p)
+{
+  Contacts *contacts = &c->contacts;
+  const bool surface = c->parameters.kind == COUPLING_SURFACE;
+  double rate = 0.0;
+#pragma omp parallel for schedule(dynamic, 64) reduction(max : rate)
+  for (ptrdiff_t k = 0; k < contacts->n_near; k++) {
+    const ptrdiff_t i = contacts->near[k];
+    double sum = 0.0;
+    for (ptrdiff_t e = contacts->first[k]; e < contacts->first[k + 1]; e++)
+      for (ptrdiff_t pair = contacts->pair_start[e]; pair < contacts->pair_start[e + 1]; pair++) {
+        contacts->conductance[pair] =
+            surface ? surface_conductance(c, p, i, e) : embedded_conductance(c, p, i, contacts->sink[pair]);
+        sum += contacts->conductance[pair];
+      }
+    rate = fmax(rate, sum / p->mass[i]);
+  }
+  c->particle_rate = c->least_heat > 0.0 ? rate / c->least_heat : 0.0;
+#pragma omp parallel for schedule(dynamic, 8)
+  for (size_t l = 0; l < c->rom->m; l++) {
+    double sum = 0.0;
+    for (ptrdiff_t k = contacts->of_patch_start[l]; k < contacts->of_patch_start[l + 1]; k++) {
+      const ptrdiff_t e = contacts->of_patch[k];
+      for (ptrdiff_t pair = contacts->pair_start[e]; pair < contacts->pair_start[e + 1]; pair++)
+        sum += contacts->conductance[pair];
+    }
+    c->sum[l] = sum;
+  }
+}
+
+/* ---- power ---- */
+
+static const double *sink_temperature(Coupling *c, const RomState *state)
+{
+  if (!c->walls) return rom_state_patch_temperature(state);
+  wall_temperature_update(c->walls, state);
+  return wall_temperature(c->walls);
+}
+
+/* Contacts' powers and patch flows, from the near particles' temperatures c->T. */
+static void set_powers(Coupling *c, const RomState *state)
+{
+  Contacts *contacts = &c->contacts;
+  const double *sink = sink_temperature(c, state);
+#pragma omp parallel for schedule(static)
+  for (ptrdiff_t k = 0; k < contacts->n_near; k++)
+    for (ptrdiff_t e = contacts->first[k]; e < contacts->first[k + 1]; e++) {
+      double power = 0.0;
+      for (ptrdiff_t pair = contacts->pair_start[e]; pair < contacts->pair_start[e + 1]; pair++)
+        power += contacts->conductance[pair] * (c->T[k] - sink[contacts->sink[pair]]);
+      contacts->power[e] = power;
+    }
+#pragma omp parallel for schedule(dynamic, 8)
+  for (size_t l = 0; l < c->rom->m; l++) {
+    double sum = 0.0;
+    for (ptrdiff_t k = contacts->of_patch_start[l]; k < contacts->of_patch_start[l + 1]; k++)
+      sum += contacts->power[contacts->of_patch[k]];
+    c->flow[l] = sum;
+  }
+}
+
+static double power_of(const Contacts *contacts, ptrdiff_t k)
+{
+  double sum = 0.0;
+  for (ptrdiff_t e = contacts->first[k]; e < contacts->first[k + 1]; e++) sum += contacts->power[e];
+  return sum;
+}
+
+/* What the wall particles show in results: the mould at their place, or of their patch where none was worked out. */
+static void show_wall_temperatures(const Coupling *c, const RomState *state, Particles *p)
+{
+  const double *patch = rom_state_patch_temperature(state);
+#pragma omp parallel for schedule(static)
+  for (ptrdiff_t k = 0; k < p->n - p->n_fluid; k++) {
+    const bool own = c->walls && wall_temperature_in_use(c->walls, k);
+    p->T[p->n_fluid + k] = own ? wall_temperature(c->walls)[k] : patch[p->patch[k]];
+  }
+}
+
+static void begin_exchange(Coupling *c, const RomState *state, Particles *p)
+{
+  set_conductances(c, p);
+#pragma omp parallel for schedule(static)
+  for (ptrdiff_t k = 0; k < c->contacts.n_near; k++) c->T[k] = p->T[c->contacts.near[k]];
+  set_powers(c, state);
+  show_wall_temperatures(c, state, p);
+}
+
+void coupling_exchange(Coupling *c, const RomState *state, Particles *p, const Neighbours *neighbours)
+{
+  assert(c->builds == neighbours_builds(neighbours));
+  (void)neighbours;
+  begin_exchange(c, state, p);
+#pragma omp parallel for schedule(static)
+  for (ptrdiff_t k = 0; k < c->contacts.n_near; k++) p->heat[c->contacts.near[k]] -= power_of(&c->contacts, k);
+}
+
+static void count_exchanged(Coupling *c, double dt)
+{
+  double magnitude = 0.0, net = 0.0;
+  for (size_t l = 0; l < c->rom->m; l++) {
+    magnitude += fabs(c->flow[l]);
+    net += c->flow[l];
+  }
+  total_add(&c->exchanged, magnitude * dt);
+  if (c->parameters.mould_frozen) total_add(&c->absorbed, net * dt);
+}
+
+void coupling_step_mould(Coupling *c, RomState *state, Particles *particles, double dt)
+{
+  count_exchanged(c, dt);
+  if (!c->parameters.mould_frozen) rom_state_step(state, c->flow, dt);
+  if (particles) show_wall_temperatures(c, state, particles);
+}
+
+/* ---- sub-steps ---- */
+
+/* g(dt) rounded up to the table's next step. */
+static double step_eigenvalue(Coupling *c, const RomState *state, double dt)
+{
+  const int index = (int)ceil(STEPS_PER_OCTAVE * log2(dt)) + STEP_ZERO;
+  if (index < 0 || index >= STEP_TABLE) return rom_state_stiffness(state, 1.0, dt);
+  if (isnan(c->eigenvalue[index]))
+    c->eigenvalue[index] = rom_state_stiffness(state, 1.0, exp2((double)(index - STEP_ZERO) / STEPS_PER_OCTAVE));
+  return c->eigenvalue[index];
+}
+
+static bool step_is_stable(Coupling *c, const RomState *state, double conductance, double dt)
+{
+  if (c->particle_rate * dt > coupling_stable) return false;
+  return c->parameters.mould_frozen || conductance * step_eigenvalue(c, state, dt) <= coupling_stable;
+}
+
+static CastStatus choose_substeps(Coupling *c, const RomState *state, double dt, CastError *err)
+{
+  static const double finer[2] = {4.0 / 3.0, 1.5}; // 1, 2, 3, 4, 6, 8, 12..
+  const double conductance = coupling_conductance(c);
+  c->substeps = 1;
+  for (int turn = 0; !step_is_stable(c, state, conductance, dt / (double)c->substeps); turn++) {
+    CAST_CHECK(c->substeps < MOST_SUBSTEPS, err, CAST_ERR_NUMERIC,
+               "the exchange between melt and mould (%.3g W/(m2 K)) is unstable at a time step of %.3g s even in %ld "
+               "sub-steps; a contact conductance below infinity or a smaller step is needed",
+               conductance, dt, c->substeps);
+    c->substeps = c->substeps < 3 ? c->substeps + 1 : lround((double)c->substeps * finer[turn % 2]);
+  }
+  return CAST_OK;
+}
+
+/* The near particles' temperatures after dt of the wall's power and the conduction already in particles->heat. */
+static void step_near(Coupling *c, const Particles *p, double share, double dt)
+{
+  const Contacts *contacts = &c->contacts;
+#pragma omp parallel for schedule(static)
+  for (ptrdiff_t k = 0; k < contacts->n_near; k++) {
+    const ptrdiff_t i = contacts->near[k];
+    const double power = power_of(contacts, k);
+    c->mean[k] += share * power;
+    c->E[k] += (p->heat[i] - power) * dt / p->mass[i];
+    if (c->sph->melt) c->T[k] = material_temperature(c->sph->melt, c->E[k]);
+  }
+}
+
+static void advance_in_substeps(Coupling *c, RomState *state, Particles *p, double dt)
+{
+  const double share = 1.0 / (double)c->substeps, part = dt * share;
+  for (ptrdiff_t k = 0; k < c->contacts.n_near; k++) {
+    c->mean[k] = 0.0;
+    c->E[k] = p->E[c->contacts.near[k]];
+  }
+  for (size_t l = 0; l < c->rom->m; l++) c->mean_flow[l] = 0.0;
+  for (long s = 0; s < c->substeps; s++) {
+    if (s > 0) set_powers(c, state);
+    for (size_t l = 0; l < c->rom->m; l++) c->mean_flow[l] += share * c->flow[l];
+    step_near(c, p, share, part);
+    coupling_step_mould(c, state, NULL, part);
+  }
+  for (size_t l = 0; l < c->rom->m; l++) c->flow[l] = c->mean_flow[l];
+#pragma omp parallel for schedule(static)
+  for (ptrdiff_t k = 0; k < c->contacts.n_near; k++) p->heat[c->contacts.near[k]] -= c->mean[k];
+}
+
+CastStatus coupling_advance(Coupling *c, RomState *state, Particles *particles, const Neighbours *neighbours, double dt,
+                            CastError *err)
+{
+  CAST_CHECK(c->builds == neighbours_builds(neighbours), err, CAST_ERR_ARGUMENT,
+             "coupling: the neighbour lists were rebuilt and coupling_rebuild was not called");
+  begin_exchange(c, state, particles);
+  CAST_CALL(choose_substeps(c, state, dt, err));
+  if (c->substeps > 1) {
+    advance_in_substeps(c, state, particles, dt);
+  } else {
+#pragma omp parallel for schedule(static)
+    for (ptrdiff_t k = 0; k < c->contacts.n_near; k++)
+      particles->heat[c->contacts.near[k]] -= power_of(&c->contacts, k);
+    coupling_step_mould(c, state, NULL, dt);
+  }
+  return CAST_OK;
+}

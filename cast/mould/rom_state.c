@@ -1,0 +1,346 @@
+/* The mould's modal state and its step.
+ *
+ * Method  Each mode k sees the input u_k = (B q)_k + ambient_k (T_ambient - T_preheat), constant over the step. With
+ *         the gain phi_k and the lag dt - phi_k of its scheme
+ *           exponential     phi = (1 - exp(-lambda dt))/lambda        exact
+ *           backward Euler  phi = dt/(1 + lambda dt)
+ *         both schemes read
+ *           z' = z + phi (u - lambda z),       integral of lambda z over the step = lambda phi z + (dt - phi) u,
+ *         the integral being that of the exact z(t), or of the new z for backward Euler. So lambda -> 0 needs no case
+ *         of its own, and the losses, constant^T (integral of lambda z - ambient dt (T_ambient - T_preheat)), come
+ *         from the modes and not from what heat is missing.
+ *         z and the losses are summed with compensation: a step may change them by less than their last digit.
+ * Cost    B is read once: row k gives u_k, and while it is in cache adds z_k to the patch temperatures.
+ *         Rows are taken in chunks of fixed size, whose sums are added in order: same bits at any thread count.
+ * References  docs/theory, eq. 7, 8, 11, 12 */
+#include "cast/mould/rom_state.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cast/physics/dispatch.h"
+
+enum { CHUNK_ROWS = 32 };
+static const double PARALLEL_SIZE = 65536.0; // r m from which threads pay: below it a step takes a few tens of us
+
+typedef struct Compensated { // value + low is the sum; low is what value cannot hold (Kahan 1965, Neumaier 1974)
+  double value, low;
+} Compensated;
+
+struct RomState {
+  const RomData *rom;
+  RomScheme scheme;
+  double preheat, ambient; // K
+  double time;             // s
+  Compensated lost;        // J
+  double *z, *z_low;       // [r] sqrt(J K); the state is z + z_low
+  double *temperature;     // [m] K
+  double dt;               // s, of the coefficients below
+  double *phi, *lag;       // [r] s
+  size_t n_chunks;
+  double *partial;    // [n_chunks*m] K, each chunk's part of the patch temperatures
+  double *chunk_loss; // [n_chunks] J
+};
+
+static void compensated_add(Compensated *sum, double term)
+{
+  const double total = sum->value + term;
+  sum->low += fabs(sum->value) >= fabs(term) ? (sum->value - total) + term : (term - total) + sum->value;
+  sum->value = total;
+}
+
+/* ---- life ---- */
+
+static bool allocate(RomState *state)
+{
+  const size_t r = state->rom->r, m = state->rom->m;
+  double **const modal[] = {&state->z, &state->z_low, &state->phi, &state->lag};
+  bool ok = true;
+  for (size_t f = 0; f < sizeof modal / sizeof *modal; f++) {
+    *modal[f] = calloc(r, sizeof(double));
+    ok = ok && *modal[f];
+  }
+  state->n_chunks = (r + CHUNK_ROWS - 1) / CHUNK_ROWS;
+  state->temperature = calloc(m, sizeof(double));
+  state->partial = calloc(state->n_chunks * m, sizeof(double));
+  state->chunk_loss = calloc(state->n_chunks, sizeof(double));
+  return ok && state->temperature && state->partial && state->chunk_loss;
+}
+
+CastStatus rom_state_create(const RomData *rom, RomScheme scheme, double preheat, double ambient, RomState **out,
+                            CastError *err)
+{
+  *out = NULL;
+  CAST_CHECK(rom->r > 0 && rom->m > 0, err, CAST_ERR_ARGUMENT, "mould: a model of %zu states and %zu patches", rom->r,
+             rom->m);
+  CAST_CHECK(isfinite(preheat) && isfinite(ambient), err, CAST_ERR_ARGUMENT,
+             "mould: preheat %g K and ambient %g K must be finite", preheat, ambient);
+  RomState *state = calloc(1, sizeof *state);
+  CAST_CHECK(state, err, CAST_ERR_MEMORY, "mould: no memory");
+  state->rom = rom;
+  state->scheme = scheme;
+  state->preheat = preheat;
+  state->ambient = ambient;
+  state->dt = -1.0;
+  if (!allocate(state)) {
+    rom_state_destroy(&state);
+    return cast_error_set(err, CAST_ERR_MEMORY, "mould: no memory for %zu states and %zu patches", rom->r, rom->m);
+  }
+  for (size_t l = 0; l < rom->m; l++) state->temperature[l] = preheat;
+  *out = state;
+  return CAST_OK;
+}
+
+void rom_state_destroy(RomState **state)
+{
+  if (!state || !*state) return;
+  RomState *s = *state;
+  free(s->z);
+  free(s->z_low);
+  free(s->phi);
+  free(s->lag);
+  free(s->temperature);
+  free(s->partial);
+  free(s->chunk_loss);
+  free(s);
+  *state = NULL;
+}
+
+/* ---- the step ---- */
+
+/* 1 - (1 - exp(-x))/x, x >= 0: by its series where the quotient is near one. */
+static double lag_fraction(double x)
+{
+  if (x > 0.5) return 1.0 + expm1(-x) / x;
+  double term = 0.5 * x, sum = 0.0;
+  for (int n = 3; fabs(term) > 1e-17 * fabs(sum) && n < 32; n++) {
+    sum += term;
+    term *= -x / n;
+  }
+  return sum;
+}
+
+static double gain(RomScheme scheme, double lambda, double dt)
+{
+  const double x = lambda * dt;
+  if (scheme == ROM_BACKWARD_EULER) return dt / (1.0 + x);
+  return x > 0.0 ? -expm1(-x) / lambda : dt;
+}
+
+static void set_step(RomState *s, double dt)
+{
+  if (dt == s->dt) return;
+  for (size_t k = 0; k < s->rom->r; k++) {
+    const double lambda = s->rom->lambda[k];
+    s->phi[k] = gain(s->scheme, lambda, dt);
+    s->lag[k] = s->scheme == ROM_EXPONENTIAL ? dt * lag_fraction(lambda * dt) : lambda * dt * s->phi[k];
+  }
+  s->dt = dt;
+}
+
+SIMD_CLONES static double dot(const double *a, const double *b, size_t n)
+{
+  double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+  for (size_t l = 0; l < n; l++) sum += a[l] * b[l];
+  return sum;
+}
+
+SIMD_CLONES static void add_scaled(double scale, const double *a, double *sum, size_t n)
+{
+#pragma omp simd
+  for (size_t l = 0; l < n; l++) sum[l] += scale * a[l];
+}
+
+/* z_k += phi (u - lambda z); returns the mode's loss in the step, J. */
+static double step_mode(RomState *s, size_t k, double u)
+{
+  const RomData *rom = s->rom;
+  const double z = s->z[k] + s->z_low[k], drive = rom->ambient[k] * (s->ambient - s->preheat), all = u + drive;
+  const double decay = rom->lambda[k] * s->phi[k] * z;
+  Compensated sum = {s->z[k], s->z_low[k]};
+  compensated_add(&sum, s->phi[k] * all - decay);
+  s->z[k] = sum.value + sum.low;
+  s->z_low[k] = (sum.value - s->z[k]) + sum.low;
+  return rom->constant[k] * (decay + s->lag[k] * all - s->dt * drive);
+}
+
+static void step_chunk(RomState *s, size_t chunk, const double *q)
+{
+  const size_t m = s->rom->m, first = chunk * CHUNK_ROWS, r = s->rom->r;
+  const size_t end = first + CHUNK_ROWS < r ? first + CHUNK_ROWS : r;
+  double *partial = s->partial + chunk * m, loss = 0.0;
+  memset(partial, 0, m * sizeof *partial);
+  for (size_t k = first; k < end; k++) {
+    const double *row = s->rom->B + k * m;
+    loss += step_mode(s, k, dot(row, q, m));
+    add_scaled(s->z[k], row, partial, m);
+  }
+  s->chunk_loss[chunk] = loss;
+}
+
+void rom_state_step(RomState *s, const double *q, double dt)
+{
+  const size_t m = s->rom->m;
+  const bool threads = (double)s->rom->r * (double)m > PARALLEL_SIZE;
+  set_step(s, dt);
+#pragma omp parallel for schedule(static) if (threads)
+  for (size_t chunk = 0; chunk < s->n_chunks; chunk++) step_chunk(s, chunk, q);
+  for (size_t l = 0; l < m; l++) s->temperature[l] = s->preheat;
+  for (size_t chunk = 0; chunk < s->n_chunks; chunk++) {
+    add_scaled(1.0, s->partial + chunk * m, s->temperature, m);
+    compensated_add(&s->lost, s->chunk_loss[chunk]);
+  }
+  s->time += dt;
+}
+
+double rom_state_flops(const RomState *s)
+{
+  return (double)s->rom->r * (4.0 * (double)s->rom->m + 20.0);
+}
+
+/* ---- what it tells ---- */
+
+double rom_state_time(const RomState *s)
+{
+  return s->time;
+}
+
+const double *rom_state_patch_temperature(const RomState *s)
+{
+  return s->temperature;
+}
+
+const double *rom_state_z(const RomState *s)
+{
+  return s->z;
+}
+
+double rom_state_preheat(const RomState *s)
+{
+  return s->preheat;
+}
+
+double rom_state_heat(const RomState *s)
+{
+  Compensated heat = {0.0, 0.0}, low = {0.0, 0.0};
+  for (size_t k = 0; k < s->rom->r; k++) {
+    compensated_add(&heat, s->rom->constant[k] * s->z[k]);
+    compensated_add(&low, s->rom->constant[k] * s->z_low[k]);
+  }
+  return heat.value + (heat.low + low.value);
+}
+
+double rom_state_lost(const RomState *s)
+{
+  return s->lost.value + s->lost.low;
+}
+
+SIMD_CLONES static double point_rise(const float *row, const double *z, size_t r)
+{
+  double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+  for (size_t k = 0; k < r; k++) sum += (double)row[k] * z[k];
+  return sum;
+}
+
+void rom_state_point_temperature(const RomState *s, double *temperature)
+{
+  const size_t r = s->rom->r, n = s->rom->n_points;
+#pragma omp parallel for schedule(static)
+  for (size_t p = 0; p < n; p++) temperature[p] = s->preheat + point_rise(s->rom->basis + p * r, s->z, r);
+}
+
+/* ---- stability of the exchange ---- */
+
+/* image = S B^T phi B S v, S = diag(root); returns v . image */
+static double apply_step_matrix(const RomState *s, const double *root, double dt, const double *v, double *scaled,
+                                double *image)
+{
+  const size_t m = s->rom->m;
+  for (size_t l = 0; l < m; l++) {
+    scaled[l] = root[l] * v[l];
+    image[l] = 0.0;
+  }
+  for (size_t k = 0; k < s->rom->r; k++) {
+    const double *row = s->rom->B + k * m;
+    add_scaled(gain(s->scheme, s->rom->lambda[k], dt) * dot(row, scaled, m), row, image, m);
+  }
+  double product = 0.0;
+  for (size_t l = 0; l < m; l++) {
+    image[l] *= root[l];
+    product += v[l] * image[l];
+  }
+  return product;
+}
+
+/* Power iteration; the matrix is symmetric, positive semi-definite and, being the response of temperatures to heat,
+ * nearly non-negative: a positive vector is a good start. */
+static double largest_eigenvalue(const RomState *s, const double *root, double dt, double *room)
+{
+  const size_t m = s->rom->m;
+  double *v = room, *scaled = room + m, *image = room + 2 * m, value = 0.0;
+  double norm = sqrt(dot(root, root, m));
+  for (size_t l = 0; l < m; l++) v[l] = norm > 0.0 ? root[l] / norm : 0.0;
+  for (int step = 0; step < 300 && norm > 0.0; step++) {
+    const double last = value;
+    value = apply_step_matrix(s, root, dt, v, scaled, image);
+    norm = sqrt(dot(image, image, m));
+    for (size_t l = 0; l < m && norm > 0.0; l++) v[l] = image[l] / norm;
+    if (fabs(value - last) <= 1e-7 * value) break;
+  }
+  return value;
+}
+
+double rom_state_stiffness_of(const RomState *s, const double *conductance, double dt)
+{
+  const size_t m = s->rom->m;
+  double *room = calloc(4 * m, sizeof *room);
+  if (!room) return INFINITY; // unknown is unstable
+  double *root = room + 3 * m;
+  for (size_t l = 0; l < m; l++) root[l] = sqrt(conductance[l]);
+  const double value = largest_eigenvalue(s, root, dt, room);
+  free(room);
+  return value;
+}
+
+double rom_state_stiffness(const RomState *s, double h_eff, double dt)
+{
+  if (!isfinite(h_eff)) return INFINITY;
+  const size_t m = s->rom->m;
+  double *area = malloc(m * sizeof *area);
+  if (!area) return INFINITY;
+  for (size_t l = 0; l < m; l++) area[l] = s->rom->patch[l].outer ? 0.0 : s->rom->patch[l].area;
+  const double value = h_eff * rom_state_stiffness_of(s, area, dt);
+  free(area);
+  return value;
+}
+
+/* ---- checkpoints ---- */
+
+size_t rom_state_size(const RomState *s)
+{
+  return 3 + 2 * s->rom->r + s->rom->m;
+}
+
+void rom_state_save(const RomState *s, double *buffer)
+{
+  const size_t r = s->rom->r, m = s->rom->m;
+  buffer[0] = s->time;
+  buffer[1] = s->lost.value;
+  buffer[2] = s->lost.low;
+  memcpy(buffer + 3, s->z, r * sizeof *buffer);
+  memcpy(buffer + 3 + r, s->z_low, r * sizeof *buffer);
+  memcpy(buffer + 3 + 2 * r, s->temperature, m * sizeof *buffer);
+}
+
+void rom_state_restore(RomState *s, const double *buffer)
+{
+  const size_t r = s->rom->r, m = s->rom->m;
+  s->time = buffer[0];
+  s->lost = (Compensated){buffer[1], buffer[2]};
+  memcpy(s->z, buffer + 3, r * sizeof *buffer);
+  memcpy(s->z_low, buffer + 3 + r, r * sizeof *buffer);
+  memcpy(s->temperature, buffer + 3 + 2 * r, m * sizeof *buffer);
+}

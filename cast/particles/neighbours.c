@@ -1,0 +1,341 @@
+/* Neighbour lists: grid of cells, particles sorted by cell, then for each particle the points of the cells around it
+ * tested against its distance (Verlet lists with a skin).
+ * Every list is built by rows that threads take in contiguous shares, so a list does not depend on their number. */
+#include "cast/particles/neighbours.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cast/particles/cells.h"
+#include "cast/particles/pair_list.h"
+
+struct Neighbours {
+  double reach, skin;
+  const Surface *surface;
+  double period[3];
+  Cells fluid_cells, wall_cells;
+  double *sorted_wall[3]; // [n_wall] positions in the order of wall_cells
+  ptrdiff_t n_wall;       // -1: walls not sorted yet
+  double *built_at[3];    // [n_fluid] positions when the lists were built
+  uint8_t *thin;          // [n_fluid] a thin mould wall is near
+  double *swap;           // [n_fluid] room for sorting
+  ptrdiff_t n_fluid, capacity;
+  PairList fluid_fluid, fluid_wall, wall_fluid;
+  long builds;
+};
+
+double neighbours_skin(double spacing)
+{
+  return 0.25 * spacing;
+}
+
+static CastStatus create(double reach, double skin, const Surface *surface, const double period[3], Neighbours **out,
+                         CastError *err)
+{
+  *out = NULL;
+  CAST_CHECK(reach > 0.0 && skin >= 0.0 && isfinite(reach + skin), err, CAST_ERR_ARGUMENT,
+             "neighbours: reach %g m and skin %g m must be positive", reach, skin);
+  for (int d = 0; d < 3; d++)
+    CAST_CHECK(period[d] == 0.0 || period[d] >= 2.5 * (reach + skin), err, CAST_ERR_ARGUMENT,
+               "neighbours: period %g m along axis %d is below 2.5 times the reach with skin, %g m", period[d], d,
+               reach + skin);
+  Neighbours *nb = calloc(1, sizeof *nb);
+  CAST_CHECK(nb, err, CAST_ERR_MEMORY, "neighbours: no memory");
+  nb->reach = reach;
+  nb->skin = skin;
+  nb->surface = surface;
+  nb->n_wall = -1;
+  memcpy(nb->period, period, sizeof nb->period);
+  *out = nb;
+  return CAST_OK;
+}
+
+CastStatus neighbours_create(double reach, double skin, const Surface *surface, Neighbours **neighbours, CastError *err)
+{
+  return create(reach, skin, surface, (const double[3]){0.0, 0.0, 0.0}, neighbours, err);
+}
+
+CastStatus neighbours_create_periodic(double reach, double skin, const double period[3], Neighbours **neighbours,
+                                      CastError *err)
+{
+  return create(reach, skin, NULL, period, neighbours, err);
+}
+
+void neighbours_destroy(Neighbours **neighbours)
+{
+  if (!neighbours || !*neighbours) return;
+  Neighbours *nb = *neighbours;
+  cells_free(&nb->fluid_cells);
+  cells_free(&nb->wall_cells);
+  for (int d = 0; d < 3; d++) {
+    free(nb->sorted_wall[d]);
+    free(nb->built_at[d]);
+  }
+  free(nb->thin);
+  free(nb->swap);
+  pair_list_free(&nb->fluid_fluid);
+  pair_list_free(&nb->fluid_wall);
+  pair_list_free(&nb->wall_fluid);
+  free(nb);
+  *neighbours = NULL;
+}
+
+/* ---- is a rebuild due? ---- */
+
+static CastStatus check_positions(const Particles *p, CastError *err)
+{
+  ptrdiff_t bad = p->n_fluid;
+#pragma omp parallel for simd reduction(min : bad)
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const ptrdiff_t found = isfinite(p->x[0][i] + p->x[1][i] + p->x[2][i]) ? p->n_fluid : i;
+    bad = found < bad ? found : bad;
+  }
+  CAST_CHECK(bad == p->n_fluid, err, CAST_ERR_NUMERIC, "particle %d: its position (%g, %g, %g) m is not finite",
+             p->id[bad], p->x[0][bad], p->x[1][bad], p->x[2][bad]);
+  return CAST_OK;
+}
+
+static bool moved_far(const Neighbours *nb, const Particles *p)
+{
+  double most = 0.0;
+#pragma omp parallel for simd reduction(max : most)
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const double dx = p->x[0][i] - nb->built_at[0][i], dy = p->x[1][i] - nb->built_at[1][i],
+                 dz = p->x[2][i] - nb->built_at[2][i];
+    most = fmax(most, dx * dx + dy * dy + dz * dz);
+  }
+  return most > 0.25 * nb->skin * nb->skin;
+}
+
+/* ---- sorting ---- */
+
+static CastStatus reserve_fluid(Neighbours *nb, ptrdiff_t n, CastError *err)
+{
+  nb->n_fluid = n;
+  if (n <= nb->capacity) return CAST_OK;
+  const size_t bytes = (size_t)n * sizeof(double);
+  double **const room[] = {&nb->built_at[0], &nb->built_at[1], &nb->built_at[2], &nb->swap};
+  bool ok = true;
+  for (size_t r = 0; r < sizeof room / sizeof *room; r++) {
+    free(*room[r]);
+    *room[r] = malloc(bytes);
+    ok = ok && *room[r];
+  }
+  free(nb->thin);
+  nb->thin = malloc((size_t)n);
+  nb->capacity = ok && nb->thin ? n : 0;
+  CAST_CHECK(nb->capacity == n, err, CAST_ERR_MEMORY, "neighbours: no memory for %td particles", n);
+  return CAST_OK;
+}
+
+static void wrap_positions(const Neighbours *nb, Particles *p)
+{
+  for (int d = 0; d < 3; d++) {
+    const double period = nb->period[d];
+    if (period <= 0.0) continue;
+    for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+      p->x[d][i] -= period * floor(p->x[d][i] / period);
+      if (p->x[d][i] >= period) p->x[d][i] = 0.0; // a tiny negative number rounds up to the period
+    }
+  }
+}
+
+/* Bring all fields of the fluid into the order of its cells. */
+static void sort_fluid(Neighbours *nb, Particles *p)
+{
+  ParticleField field[PARTICLE_FIELDS];
+  particles_fields(p, field);
+  const ptrdiff_t n = p->n_fluid;
+  const int32_t *order = nb->fluid_cells.order;
+  double *swap = nb->swap;
+  int32_t *swap_id = (int32_t *)nb->swap;
+#pragma omp parallel
+  {
+    for (int f = 0; f < PARTICLE_FIELDS; f++) {
+      double *data = field[f].data;
+#pragma omp for
+      for (ptrdiff_t i = 0; i < n; i++) swap[i] = data[order[i]];
+#pragma omp for
+      for (ptrdiff_t i = 0; i < n; i++) data[i] = swap[i];
+    }
+#pragma omp for
+    for (ptrdiff_t i = 0; i < n; i++) swap_id[i] = p->id[order[i]];
+#pragma omp for
+    for (ptrdiff_t i = 0; i < n; i++) p->id[i] = swap_id[i];
+  }
+}
+
+static CastStatus sort_walls(Neighbours *nb, const Particles *p, CastError *err)
+{
+  const ptrdiff_t n = p->n - p->n_fluid;
+  if (nb->n_wall == n) return CAST_OK; // walls never move
+  double *const x[3] = {p->x[0] + p->n_fluid, p->x[1] + p->n_fluid, p->x[2] + p->n_fluid};
+  CAST_CALL(cells_sort(&nb->wall_cells, n, x, nb->reach + nb->skin, nb->period, err));
+  for (int d = 0; d < 3; d++) {
+    free(nb->sorted_wall[d]);
+    nb->sorted_wall[d] = malloc((size_t)(n > 0 ? n : 1) * sizeof(double));
+    CAST_CHECK(nb->sorted_wall[d], err, CAST_ERR_MEMORY, "neighbours: no memory for %td wall particles", n);
+    for (ptrdiff_t k = 0; k < n; k++) nb->sorted_wall[d][k] = x[d][nb->wall_cells.order[k]];
+  }
+  nb->n_wall = n;
+  return CAST_OK;
+}
+
+/* ---- pairs that the mould keeps apart ---- */
+
+static void find_thin(Neighbours *nb, const Particles *p)
+{
+  memset(nb->thin, 0, (size_t)nb->n_fluid);
+  if (!nb->surface) return;
+#pragma omp parallel for
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    nb->thin[i] = surface_thin_near(nb->surface, x);
+  }
+}
+
+/* Always asked with the lower index first, so that both particles of a pair hear the same. */
+static bool fluid_separated(const Neighbours *nb, const Particles *p, ptrdiff_t i, ptrdiff_t j)
+{
+  if (!nb->thin[i] || !nb->thin[j]) return false;
+  const ptrdiff_t a = i < j ? i : j, b = i < j ? j : i;
+  const double xa[3] = {p->x[0][a], p->x[1][a], p->x[2][a]}, xb[3] = {p->x[0][b], p->x[1][b], p->x[2][b]};
+  return surface_separates(nb->surface, xa, xb);
+}
+
+static bool wall_separated(const Neighbours *nb, const Particles *p, ptrdiff_t i, ptrdiff_t j)
+{
+  if (!nb->thin[i]) return false;
+  const ptrdiff_t k = j - p->n_fluid;
+  const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]}, place[3] = {p->x[0][j], p->x[1][j], p->x[2][j]};
+  const double foot[3] = {p->foot[0][k], p->foot[1][k], p->foot[2][k]};
+  const double normal[3] = {p->normal[0][k], p->normal[1][k], p->normal[2][k]};
+  return !walls_seen(nb->surface, x, place, foot, normal, p->echo[k]);
+}
+
+typedef enum RowKind { FLUID_FLUID, FLUID_WALL, WALL_FLUID } RowKind;
+
+typedef struct RowContext {
+  const Neighbours *nb;
+  const Particles *p;
+  RowKind kind;
+} RowContext;
+
+/* Drop from a row the particle itself and what the mould hides from it; returns the new length. */
+static ptrdiff_t sift_row(const RowContext *c, ptrdiff_t row, ptrdiff_t n, int32_t *index)
+{
+  ptrdiff_t kept = 0;
+  for (ptrdiff_t k = 0; k < n; k++) {
+    const int32_t j = index[k];
+    bool drop = false;
+    if (c->kind == FLUID_FLUID)
+      drop = j == row || (c->nb->surface && fluid_separated(c->nb, c->p, row, j));
+    else if (c->nb->surface)
+      drop = c->kind == FLUID_WALL ? wall_separated(c->nb, c->p, row, j)
+                                   : wall_separated(c->nb, c->p, j, row + c->p->n_fluid);
+    index[kept] = j;
+    kept += !drop;
+  }
+  return kept;
+}
+
+/* ---- rows: near points of the cells around ---- */
+
+/* Points of a run within `reach2` of x, as their places in the sorted array; returns how many. */
+static ptrdiff_t near_in_run(const CellRun *run, double *const sorted[3], const double x[3], double reach2,
+                             int32_t *place)
+{
+  enum { CHUNK = 256 };
+  const double at[3] = {x[0] - run->shift[0], x[1] - run->shift[1], x[2] - run->shift[2]};
+  ptrdiff_t n = 0;
+  for (ptrdiff_t first = run->first; first < run->end; first += CHUNK) {
+    const ptrdiff_t m = run->end - first < CHUNK ? run->end - first : CHUNK;
+    const double *px = sorted[0] + first, *py = sorted[1] + first, *pz = sorted[2] + first;
+    double r2[CHUNK];
+#pragma omp simd
+    for (ptrdiff_t k = 0; k < m; k++) {
+      const double dx = px[k] - at[0], dy = py[k] - at[1], dz = pz[k] - at[2];
+      r2[k] = dx * dx + dy * dy + dz * dz;
+    }
+    for (ptrdiff_t k = 0; k < m; k++) { // no branch: a third of the points is near, at random
+      place[n] = (int32_t)(first + k);
+      n += r2[k] < reach2;
+    }
+  }
+  return n;
+}
+
+static bool fill_row(const void *context, ptrdiff_t row, RowBuffer *buffer)
+{
+  const RowContext *c = context;
+  const Neighbours *nb = c->nb;
+  const ptrdiff_t self = c->kind == WALL_FLUID ? row + c->p->n_fluid : row;
+  const Cells *cells = c->kind == FLUID_WALL ? &nb->wall_cells : &nb->fluid_cells;
+  double *const *sorted = c->kind == FLUID_WALL ? nb->sorted_wall : c->p->x;
+  const double x[3] = {c->p->x[0][self], c->p->x[1][self], c->p->x[2][self]};
+  const double reach = nb->reach + nb->skin;
+  CellRun run[CELLS_RUNS];
+  const int n_run = cells_runs(cells, x, run);
+  ptrdiff_t room = 0;
+  for (int r = 0; r < n_run; r++) room += run[r].end - run[r].first;
+  if (!row_buffer_reserve(buffer, room)) return false;
+  int32_t *index = buffer->index + buffer->n;
+  ptrdiff_t n = 0;
+  for (int r = 0; r < n_run; r++) n += near_in_run(&run[r], sorted, x, reach * reach, index + n);
+  if (c->kind == FLUID_WALL)
+    for (ptrdiff_t k = 0; k < n; k++) index[k] = (int32_t)c->p->n_fluid + cells->order[index[k]];
+  if (c->kind == FLUID_FLUID || nb->surface) n = sift_row(c, row, n, index);
+  buffer->n += n;
+  return true;
+}
+
+static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
+{
+  CAST_CALL(check_positions(p, err));
+  CAST_CALL(reserve_fluid(nb, p->n_fluid, err));
+  CAST_CALL(sort_walls(nb, p, err));
+  wrap_positions(nb, p);
+  CAST_CALL(cells_sort(&nb->fluid_cells, p->n_fluid, p->x, nb->reach + nb->skin, nb->period, err));
+  sort_fluid(nb, p);
+  find_thin(nb, p);
+  CAST_CALL(pair_list_build(&nb->fluid_fluid, p->n_fluid, fill_row, &(RowContext){nb, p, FLUID_FLUID}, err));
+  CAST_CALL(pair_list_build(&nb->fluid_wall, p->n_fluid, fill_row, &(RowContext){nb, p, FLUID_WALL}, err));
+  CAST_CALL(pair_list_build(&nb->wall_fluid, p->n - p->n_fluid, fill_row, &(RowContext){nb, p, WALL_FLUID}, err));
+  for (int d = 0; d < 3; d++) memcpy(nb->built_at[d], p->x[d], (size_t)p->n_fluid * sizeof(double));
+  nb->builds++;
+  return CAST_OK;
+}
+
+CastStatus neighbours_update(Neighbours *nb, Particles *particles, bool force, bool *rebuilt, CastError *err)
+{
+  const bool due = force || nb->builds == 0 || nb->n_fluid != particles->n_fluid || moved_far(nb, particles);
+  if (rebuilt) *rebuilt = due;
+  return due ? build(nb, particles, err) : CAST_OK;
+}
+
+const PairList *neighbours_fluid_fluid(const Neighbours *nb)
+{
+  return &nb->fluid_fluid;
+}
+
+const PairList *neighbours_fluid_wall(const Neighbours *nb)
+{
+  return &nb->fluid_wall;
+}
+
+const PairList *neighbours_wall_fluid(const Neighbours *nb)
+{
+  return &nb->wall_fluid;
+}
+
+const double *neighbours_period(const Neighbours *nb)
+{
+  return nb->period;
+}
+
+long neighbours_builds(const Neighbours *nb)
+{
+  return nb->builds;
+}

@@ -1,0 +1,170 @@
+/* Velocity Verlet with the density predicted for the forces and corrected afterwards; see sph.h.
+ * What stops a run (a number that is not finite, a particle faster than sound) is looked for here, once a step. */
+#include <math.h>
+
+#include "cast/physics/properties.h"
+#include "cast/physics/sph.h"
+
+enum { ROWS_PER_TASK = 512 };
+
+typedef struct Drift {
+  const SphParameters *sph;
+  Particles *p;
+  double dt;
+} Drift;
+
+static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t end)
+{
+  const Particles *p = d->p;
+  const double dt = d->dt, half = 0.5 * dt;
+  const bool continuity = d->sph->density == SPH_CONTINUITY;
+#pragma omp simd
+  for (ptrdiff_t i = first; i < end; i++) {
+    double moved2 = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+      const double v = p->v[axis][i] + p->a[axis][i] * half;
+      p->v[axis][i] = v;
+      p->x[axis][i] += v * dt;
+      moved2 += v * v;
+    }
+    p->clearance[i] -= sqrt(moved2) * dt;
+    p->rho_start[i] = p->rho[i];
+    const double last = isnan(p->drho_last[i]) ? p->drho[i] : p->drho_last[i]; // NaN: this is the first step
+    const double predicted = p->rho[i] + dt * (2.0 * p->drho[i] - last);
+    p->rho[i] = continuity ? predicted : p->rho[i];
+    p->drho_last[i] = p->drho[i];
+  }
+}
+
+/* ---- nothing enters the mould ---- */
+
+/* A fluid particle deeper in the mould than this, in spacings, is set back. Less is left to the wall's pressure. */
+static const double guard_depth = 0.1;
+
+/* Look where particle i stands once it has moved as far as it was known to be clear; returns whether it was set back. */
+static bool guard_particle(const Surface *surface, double depth, Particles *p, ptrdiff_t i)
+{
+  const double reach = surface_reach(surface), x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+  SurfaceHit hit;
+  if (!surface_nearest(surface, x, reach, &hit)) {
+    p->clearance[i] = reach;
+    return false;
+  }
+  p->clearance[i] = hit.distance;
+  if (hit.distance >= -depth) return false;
+  double into = 0.0;
+  for (int axis = 0; axis < 3; axis++) into += p->v[axis][i] * hit.normal[axis];
+  for (int axis = 0; axis < 3; axis++) {
+    p->x[axis][i] = hit.foot[axis];
+    if (into < 0.0) p->v[axis][i] -= into * hit.normal[axis];
+  }
+  p->clearance[i] = 0.0;
+  return true;
+}
+
+static long guard_rows(const Surface *surface, double depth, Particles *p, ptrdiff_t first, ptrdiff_t end)
+{
+  long guarded = 0;
+  for (ptrdiff_t i = first; i < end; i++) {
+    if (p->clearance[i] > 0.0) continue;
+    if (!isfinite(p->x[0][i] + p->x[1][i] + p->x[2][i])) continue; // reported by the caller
+    guarded += guard_particle(surface, depth, p, i);
+  }
+  return guarded;
+}
+
+static ptrdiff_t first_not_finite(const Particles *p)
+{
+  ptrdiff_t bad = p->n_fluid;
+#pragma omp parallel for simd reduction(min : bad)
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const double all = p->x[0][i] + p->x[1][i] + p->x[2][i] + p->v[0][i] + p->v[1][i] + p->v[2][i];
+    const ptrdiff_t found = isfinite(all) ? p->n_fluid : i;
+    bad = found < bad ? found : bad;
+  }
+  return bad;
+}
+
+CastStatus sph_drift(const SphParameters *sph, Particles *p, const Surface *surface, double dt, long *guarded,
+                     CastError *err)
+{
+  if (guarded) *guarded = 0;
+  if (sph->frozen_flow) return CAST_OK;
+  const Drift drift = {sph, p, dt};
+  long set_back = 0;
+#pragma omp parallel for reduction(+ : set_back)
+  for (ptrdiff_t first = 0; first < p->n_fluid; first += ROWS_PER_TASK) {
+    const ptrdiff_t end = first + ROWS_PER_TASK < p->n_fluid ? first + ROWS_PER_TASK : p->n_fluid;
+    drift_rows(&drift, first, end);
+    if (surface) set_back += guard_rows(surface, guard_depth * sph->spacing, p, first, end);
+  }
+  if (guarded) *guarded = set_back;
+  const ptrdiff_t bad = first_not_finite(p);
+  CAST_CHECK(bad == p->n_fluid, err, CAST_ERR_NUMERIC,
+             "particle %d: its place (%g, %g, %g) m or velocity (%g, %g, %g) m/s is not finite", p->id[bad], p->x[0][bad],
+             p->x[1][bad], p->x[2][bad], p->v[0][bad], p->v[1][bad], p->v[2][bad]);
+  return CAST_OK;
+}
+
+/* ---- end of the step ---- */
+
+static void finish_rows(const SphParameters *sph, Particles *p, double dt, ptrdiff_t first, ptrdiff_t end)
+{
+  const bool flow = !sph->frozen_flow, continuity = flow && sph->density == SPH_CONTINUITY;
+#pragma omp simd
+  for (ptrdiff_t i = first; i < end; i++) {
+    if (flow)
+      for (int axis = 0; axis < 3; axis++) p->v[axis][i] += p->a[axis][i] * 0.5 * dt;
+    p->rho[i] = continuity ? p->rho_start[i] + p->drho[i] * dt : p->rho[i];
+    p->volume[i] = p->mass[i] / p->rho[i];
+    p->E[i] += p->heat[i] * dt / p->mass[i];
+  }
+  properties_of_rows(sph->melt, p, first, end);
+}
+
+typedef enum Fault { FAULT_NONE, FAULT_SPEED, FAULT_DENSITY, FAULT_ENTHALPY, FAULT_TEMPERATURE, FAULT_FAST } Fault;
+
+/* What is wrong with particle i, the first of all there may be. */
+static Fault fault_of(const SphParameters *sph, const Particles *p, ptrdiff_t i)
+{
+  const double v2 = p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i];
+  if (!isfinite(v2)) return FAULT_SPEED;
+  if (!(p->rho[i] > 0.0) || !isfinite(p->rho[i])) return FAULT_DENSITY;
+  if (!isfinite(p->E[i])) return FAULT_ENTHALPY;
+  if (sph->melt && !(p->T[i] >= 0.0 && isfinite(p->T[i]))) return FAULT_TEMPERATURE;
+  return v2 > sph->c0 * sph->c0 ? FAULT_FAST : FAULT_NONE;
+}
+
+static CastStatus report_fault(const SphParameters *sph, const Particles *p, ptrdiff_t i, CastError *err)
+{
+  const Fault fault = fault_of(sph, p, i);
+  const double x = p->x[0][i], y = p->x[1][i], z = p->x[2][i];
+  const double v = sqrt(p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i]);
+  if (fault == FAULT_FAST)
+    return cast_error_set(err, CAST_ERR_NUMERIC,
+                          "particle %d at (%g, %g, %g) m: its speed %g m/s is beyond the numerical sound speed %g m/s",
+                          p->id[i], x, y, z, v, sph->c0);
+  const struct {
+    const char *name, *unit;
+    double value;
+  } found[] = {[FAULT_NONE] = {"state", "", 0.0},
+               [FAULT_SPEED] = {"speed", "m/s", v},
+               [FAULT_DENSITY] = {"density", "kg/m3", p->rho[i]},
+               [FAULT_ENTHALPY] = {"enthalpy", "J/kg", p->E[i]},
+               [FAULT_TEMPERATURE] = {"temperature", "K", p->T[i]}};
+  return cast_error_set(err, CAST_ERR_NUMERIC, "particle %d at (%g, %g, %g) m: its %s of %g %s is not possible",
+                        p->id[i], x, y, z, found[fault].name, found[fault].value, found[fault].unit);
+}
+
+CastStatus sph_finish(const SphParameters *sph, Particles *p, double dt, CastError *err)
+{
+  ptrdiff_t bad = p->n_fluid;
+#pragma omp parallel for reduction(min : bad)
+  for (ptrdiff_t first = 0; first < p->n_fluid; first += ROWS_PER_TASK) {
+    const ptrdiff_t end = first + ROWS_PER_TASK < p->n_fluid ? first + ROWS_PER_TASK : p->n_fluid;
+    finish_rows(sph, p, dt, first, end);
+    for (ptrdiff_t i = first; i < end; i++)
+      if (fault_of(sph, p, i) != FAULT_NONE) bad = i < bad ? i : bad;
+  }
+  return bad == p->n_fluid ? CAST_OK : report_fault(sph, p, bad, err);
+}

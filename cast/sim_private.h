@@ -1,0 +1,100 @@
+/* sim_private.h - what the sim_*.c files share.
+ *   sim.c         life, the step, the run        sim_setup.c   melt, walls and lattice at the start
+ *   sim_report.c  what is about to be computed   sim_output.c  what is written and when
+ *   sim_curves.c  the CSV files                  sim_summary.c the account at the end
+ *   sim_resume.c  checkpoints                    sim_escape.c  melt that leaves, melt where none may be */
+#ifndef CAST_SIM_PRIVATE_H
+#define CAST_SIM_PRIVATE_H
+
+#include "cast/io/filling.h"
+#include "cast/io/provenance.h"
+#include "cast/sim.h"
+
+typedef enum SimPhase {
+  PHASE_MOVE,       // time step, drift, end of the step
+  PHASE_NEIGHBOURS, // lists, contacts with patches
+  PHASE_RATES,      // sums over pairs
+  PHASE_MOULD,      // exchange with the mould and its step
+  PHASE_OUTPUT,
+  PHASE_COUNT
+} SimPhase;
+
+typedef struct SimOutput SimOutput; // sim_output.c
+
+/* What a run counts; all doubles, so that a checkpoint keeps it as one array. */
+typedef struct SimCounts {
+  double time; // s
+  double dt;   // s of the step in progress
+  double steps;
+  double since_rebuild; // steps
+  double particle_steps;
+  double guarded;       // times a particle was set back to the wall
+  double removed;       // particles that left
+  double removed_mass;  // kg
+  double fastest;       // m/s, largest speed seen at an output
+  double substeps_most; // of the exchange with the mould
+  double limited_by[5]; // steps set by sound, force, viscosity, conduction, the input
+  double wall;          // s of wall time in the loop so far
+  double seconds[PHASE_COUNT];
+} SimCounts;
+
+struct Sim {
+  const CastConfig *config; // borrowed
+  Log *log;                 // borrowed
+  RomData *rom;
+  char rom_sha256[65];
+  Surface *surface;
+  SphParameters sph;
+  double origin[3]; // m, a corner of the lattice
+  Particles particles;
+  ptrdiff_t n_ids;                // fluid particles at the start
+  double box_low[3], box_high[3]; // m; melt outside is taken out
+  RomState *mould;
+  Neighbours *neighbours;
+  Coupling *coupling;
+  Filling *filling;
+  SimCounts counts;
+  bool rebuilt;   // the lists were made anew in the step in progress
+  bool under_way; // positions and lists of the step in progress are done, the rest is not
+  bool checkpoint_wanted;
+  double gap, gap_at[3]; // m, the thinnest place of the cavity
+  double seconds_setup;
+  SimOutput *output; // NULL: nothing is written
+};
+
+/* sim_setup.c */
+CastStatus sim_setup_geometry(Sim *sim, CastError *err);  // rom, surface, lattice, sph
+CastStatus sim_setup_particles(Sim *sim, CastError *err); // melt and walls
+double sim_drop_height(const Sim *sim); // m, from the highest melt to the lowest cavity wall, along the force
+
+/* sim_escape.c */
+CastStatus sim_remove_escaped(Sim *sim, CastError *err);
+CastStatus sim_check_inside(const Sim *sim, CastError *err); // Errors: CAST_ERR_NUMERIC: melt in the mould's solid
+
+/* sim_curves.c: the CSV files */
+typedef struct SimCurves SimCurves;
+enum { SIM_CURVES = 3 };
+/* Tracers are the particles nearest to their places now, so the melt must stand as at the start.
+ *   length  NULL: new files; else go on with those there after so many bytes of each */
+CastStatus sim_curves_create(const Sim *sim, const double *length, SimCurves **curves, CastError *err);
+void sim_curves_destroy(SimCurves **curves);
+CastStatus sim_curves_row(SimCurves *curves, Sim *sim, CastError *err); // at the present time
+void sim_curves_lengths(const SimCurves *curves, double length[SIM_CURVES]);
+
+/* sim_output.c */
+CastStatus sim_output_due(Sim *sim, CastError *err);    // what is due at the present time
+CastStatus sim_output_finish(Sim *sim, CastError *err); // a last frame, side files and summary
+void sim_output_destroy(SimOutput **output);
+const char *sim_output_folder(const Sim *sim);
+const Provenance *sim_output_provenance(const Sim *sim);
+enum { OUTPUT_STATE = 8 };
+void sim_output_save(const Sim *sim, double state[OUTPUT_STATE]);
+CastStatus sim_output_reopen(Sim *sim, const char *command, const double state[OUTPUT_STATE], CastError *err);
+
+/* sim_resume.c */
+CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err);
+
+/* sim_summary.c */
+CastStatus sim_write_summary(const Sim *sim, const char *outcome, CastError *err);
+
+#endif

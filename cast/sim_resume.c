@@ -1,0 +1,264 @@
+/* sim_resume.c - checkpoints: all that changes during a run, as it is in the middle of a step, right after the
+ * neighbour lists were made anew (see first_half in sim.c). */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cast/sim_private.h"
+#include "common/h5.h"
+
+static const char FORMAT[] = "castrun checkpoint";
+enum { FORMAT_VERSION = 1 };
+
+/* ---- writing ---- */
+
+static CastStatus write_doubles(hid_t file, const char *name, size_t n, const double *values, const char *units,
+                                const char *description, CastError *err)
+{
+  const hsize_t shape[1] = {n};
+  return h5_write(file, name, H5T_NATIVE_DOUBLE, 1, shape, values, units, description, err);
+}
+
+static CastStatus write_identity(const Sim *sim, hid_t file, CastError *err)
+{
+  const CastConfig *c = sim->config;
+  const int version = FORMAT_VERSION;
+  char *absolute = realpath(c->input_path, NULL);
+  const char *path = absolute ? absolute : c->input_path;
+  CastStatus status = h5_write_text_attribute(file, "format", FORMAT, err);
+  if (status == CAST_OK) status = h5_write_attribute(file, "version", H5T_NATIVE_INT, 1, &version, err);
+  if (status == CAST_OK) status = h5_write_text(file, "input", c->input_text, "cast.yaml as it was read", err);
+  if (status == CAST_OK) status = h5_write_text(file, "input_path", path, "where it was", err);
+  if (status == CAST_OK) status = h5_write_text(file, "rom_sha256", sim->rom_sha256, "of the ROM file", err);
+  if (status == CAST_OK) status = h5_write_text(file, "material_sha256", c->melt.sha256, "of the melt's material", err);
+  free(absolute);
+  return status;
+}
+
+static CastStatus write_particles(const Sim *sim, hid_t file, CastError *err)
+{
+  const Particles *p = &sim->particles;
+  ParticleField field[PARTICLE_FIELDS];
+  particles_fields(p, field);
+  for (int f = 0; f < PARTICLE_FIELDS; f++) {
+    char name[64];
+    snprintf(name, sizeof name, "particles/%s", field[f].name);
+    CAST_CALL(write_doubles(file, name, (size_t)p->n, field[f].data, field[f].unit, "melt, then walls", err));
+  }
+  const hsize_t shape[1] = {(hsize_t)p->n};
+  CAST_CALL(h5_write(file, "particles/id", H5T_NATIVE_INT32, 1, shape, p->id, "1", "a particle's number", err));
+  const long long n_fluid = p->n_fluid;
+  return h5_write(file, "particles/n_melt", H5T_NATIVE_LLONG, 0, NULL, &n_fluid, "1", "how many of them are melt", err);
+}
+
+static CastStatus write_mould(const Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = rom_state_size(sim->mould);
+  double *state = malloc((n + 1) * sizeof *state), coupling[COUPLING_SIZE];
+  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the mould's state");
+  rom_state_save(sim->mould, state);
+  const CastStatus status =
+      write_doubles(file, "mould", n, state, "", "state of the reduced model, as rom_state packs it", err);
+  free(state);
+  CAST_CALL(status);
+  coupling_save(sim->coupling, coupling);
+  return write_doubles(file, "coupling", COUPLING_SIZE, coupling, "J", "the ledger's sums, as coupling packs them",
+                       err);
+}
+
+static CastStatus write_progress(const Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = filling_state_size(sim->filling);
+  double *reached = malloc((n + 1) * sizeof *reached), output[OUTPUT_STATE] = {0};
+  CAST_CHECK(reached, err, CAST_ERR_MEMORY, "no memory");
+  filling_save(sim->filling, reached);
+  const CastStatus status = write_doubles(file, "filling", n, reached, "s", "when each level was reached", err);
+  free(reached);
+  CAST_CALL(status);
+  const double *counts = (const double *)(const void *)&sim->counts;
+  CAST_CALL(
+      write_doubles(file, "counts", sizeof sim->counts / sizeof *counts, counts, "", "time, steps and sums", err));
+  sim_output_save(sim, output);
+  return write_doubles(file, "output", OUTPUT_STATE, output, "", "steps and bytes written, times of the next ones",
+                       err);
+}
+
+static CastStatus write_all(const Sim *sim, hid_t file, CastError *err)
+{
+  CAST_CALL(write_identity(sim, file, err));
+  CAST_CALL(write_particles(sim, file, err));
+  CAST_CALL(write_mould(sim, file, err));
+  return write_progress(sim, file, err);
+}
+
+CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err)
+{
+  char path[4200], temporary[4300];
+  snprintf(path, sizeof path, "%s/%s", sim_output_folder(sim), name);
+  snprintf(temporary, sizeof temporary, "%s.part", path);
+  hid_t file = -1;
+  CAST_CALL(h5_file_create(temporary, &file, err));
+  CastStatus status = write_all(sim, file, err);
+  const CastStatus closed = h5_file_close(&file, status == CAST_OK ? err : NULL);
+  if (status == CAST_OK) status = closed;
+  if (status == CAST_OK && rename(temporary, path) != 0)
+    status = cast_error_set(err, CAST_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+  if (status != CAST_OK) remove(temporary);
+  return status;
+}
+
+/* ---- reading ---- */
+
+static CastStatus read_doubles(hid_t file, const char *name, size_t n, double *values, CastError *err)
+{
+  hsize_t shape[1] = {n};
+  void *read = NULL;
+  CAST_CALL(h5_read(file, name, H5T_NATIVE_DOUBLE, 1, shape, &read, err));
+  memcpy(values, read, n * sizeof *values);
+  free(read);
+  return CAST_OK;
+}
+
+static CastStatus check_format(hid_t file, const char *path, CastError *err)
+{
+  char *format = NULL;
+  int version = 0;
+  CAST_CALL(h5_read_text_attribute(file, "format", &format, err));
+  const bool ours = strcmp(format, FORMAT) == 0;
+  free(format);
+  CAST_CHECK(ours, err, CAST_ERR_FORMAT, "%s: is not a checkpoint of castrun", path);
+  CAST_CALL(h5_read_attribute(file, "version", H5T_NATIVE_INT, 1, &version, err));
+  CAST_CHECK(version == FORMAT_VERSION, err, CAST_ERR_FORMAT, "%s: is of version %d, this castrun reads %d", path,
+             version, FORMAT_VERSION);
+  return CAST_OK;
+}
+
+static CastStatus read_config(hid_t file, CastConfig **config, CastError *err)
+{
+  char *text = NULL, *path = NULL;
+  CastStatus status = h5_read_text(file, "input", &text, err);
+  if (status == CAST_OK) status = h5_read_text(file, "input_path", &path, err);
+  if (status == CAST_OK) status = cast_config_read(path, text, config, err);
+  free(text);
+  free(path);
+  return status;
+}
+
+static CastStatus same_text(hid_t file, const char *name, const char *expected, const char *what, CastError *err)
+{
+  char *text = NULL;
+  CAST_CALL(h5_read_text(file, name, &text, err));
+  const bool same = strcmp(text, expected) == 0;
+  free(text);
+  CAST_CHECK(same, err, CAST_ERR_INPUT, "%s is not the one the run began with (its hash differs): the run cannot go on",
+             what);
+  return CAST_OK;
+}
+
+static CastStatus restore_particles(Sim *sim, hid_t file, CastError *err)
+{
+  Particles *p = &sim->particles;
+  void *read = NULL;
+  CAST_CALL(h5_read(file, "particles/n_melt", H5T_NATIVE_LLONG, 0, NULL, &read, err));
+  const ptrdiff_t n_melt = (ptrdiff_t) * (long long *)read, n_wall = p->n - p->n_fluid;
+  free(read);
+  CAST_CHECK(n_melt >= 0 && n_melt <= p->n_fluid, err, CAST_ERR_FORMAT,
+             "particles/n_melt is %td, at most %td are expected", n_melt, p->n_fluid);
+  p->n_fluid = n_melt;
+  p->n = n_melt + n_wall;
+  ParticleField field[PARTICLE_FIELDS];
+  particles_fields(p, field);
+  for (int f = 0; f < PARTICLE_FIELDS; f++) {
+    char name[64];
+    snprintf(name, sizeof name, "particles/%s", field[f].name);
+    CAST_CALL(read_doubles(file, name, (size_t)p->n, field[f].data, err));
+  }
+  hsize_t shape[1] = {(hsize_t)p->n};
+  CAST_CALL(h5_read(file, "particles/id", H5T_NATIVE_INT32, 1, shape, &read, err));
+  memcpy(p->id, read, (size_t)p->n * sizeof *p->id);
+  free(read);
+  for (ptrdiff_t i = 0; i < n_melt; i++)
+    CAST_CHECK(p->id[i] >= 0 && p->id[i] < sim->n_ids, err, CAST_ERR_FORMAT, "particles/id[%td] is %d", i, p->id[i]);
+  return CAST_OK;
+}
+
+static CastStatus restore_mould(Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = rom_state_size(sim->mould);
+  double *state = malloc((n + 1) * sizeof *state), coupling[COUPLING_SIZE];
+  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the mould's state");
+  const CastStatus status = read_doubles(file, "mould", n, state, err);
+  if (status == CAST_OK) rom_state_restore(sim->mould, state);
+  free(state);
+  CAST_CALL(status);
+  CAST_CALL(read_doubles(file, "coupling", COUPLING_SIZE, coupling, err));
+  coupling_restore(sim->coupling, coupling);
+  return CAST_OK;
+}
+
+static CastStatus restore_progress(Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = filling_state_size(sim->filling);
+  double *reached = malloc((n + 1) * sizeof *reached);
+  CAST_CHECK(reached, err, CAST_ERR_MEMORY, "no memory");
+  const CastStatus status = read_doubles(file, "filling", n, reached, err);
+  if (status == CAST_OK) filling_restore(sim->filling, reached);
+  free(reached);
+  CAST_CALL(status);
+  double *counts = (double *)(void *)&sim->counts;
+  return read_doubles(file, "counts", sizeof sim->counts / sizeof *counts, counts, err);
+}
+
+/* Lists and contacts made anew from the restored places are those that the run had. */
+static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *err)
+{
+  double output[OUTPUT_STATE];
+  CAST_CALL(same_text(file, "rom_sha256", sim->rom_sha256, sim->config->rom_path, err));
+  CAST_CALL(same_text(file, "material_sha256", sim->config->melt.sha256, "the melt's material", err));
+  CAST_CALL(read_doubles(file, "output", OUTPUT_STATE, output, err));
+  CAST_CALL(sim_output_reopen(sim, command, output, err));
+  CAST_CALL(restore_particles(sim, file, err));
+  CAST_CALL(restore_mould(sim, file, err));
+  CAST_CALL(restore_progress(sim, file, err));
+  CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
+  CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
+  filling_update(sim->filling, &sim->particles, sim->counts.time);
+  sim->rebuilt = true;
+  sim->under_way = true;
+  return CAST_OK;
+}
+
+/* The run goes on in the folder that the checkpoint lies in, wherever that has been moved to. */
+static CastStatus set_folder(CastConfig *config, const char *folder, CastError *err)
+{
+  free(config->output.folder);
+  config->output.folder = strdup(folder);
+  CAST_CHECK(config->output.folder, err, CAST_ERR_MEMORY, "no memory");
+  return CAST_OK;
+}
+
+CastStatus sim_resume(const char *folder, Log *log, const char *command, CastConfig **config, Sim **sim, CastError *err)
+{
+  char path[4200];
+  snprintf(path, sizeof path, "%s/checkpoint.h5", folder);
+  *config = NULL;
+  *sim = NULL;
+  CAST_CHECK(access(path, R_OK) == 0, err, CAST_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+  hid_t file = -1;
+  CAST_CALL(h5_file_open(path, &file, err));
+  CastStatus status = check_format(file, path, err);
+  if (status == CAST_OK) status = read_config(file, config, err);
+  if (status == CAST_OK) status = set_folder(*config, folder, err);
+  if (status == CAST_OK) status = sim_create(*config, log, sim, err);
+  if (status == CAST_OK) status = restore(*sim, file, command, err);
+
+  const CastStatus closed = h5_file_close(&file, status == CAST_OK ? err : NULL);
+  if (status == CAST_OK) status = closed;
+  if (status != CAST_OK) {
+    sim_destroy(sim);
+    cast_config_destroy(config);
+  }
+  return status;
+}
