@@ -134,13 +134,18 @@ static void search(const Surface *s, const double x[3], const NearestQuery *quer
   }
 }
 
+static const double *feature_normal(const Surface *s, int32_t t, FacetFeature feature)
+{
+  if (feature <= FEATURE_CORNER_2) return s->vertex_normal[s->triangle[t][(int)feature - (int)FEATURE_CORNER_0]];
+  if (feature <= FEATURE_EDGE_2) return s->edge_normal[3 * t + (int32_t)(feature - FEATURE_EDGE_0)];
+  return s->facet[t].normal;
+}
+
 static void fill_hit(const Surface *s, const double x[3], int32_t t, SurfaceHit *hit)
 {
   FacetFeature feature;
   const double distance2 = facet_closest(&s->facet[t], x, hit->foot, &feature);
-  const double *normal = s->facet[t].normal;
-  if (feature <= FEATURE_CORNER_2) normal = s->vertex_normal[s->triangle[t][(int)feature - (int)FEATURE_CORNER_0]];
-  else if (feature <= FEATURE_EDGE_2) normal = s->edge_normal[3 * t + (int32_t)(feature - FEATURE_EDGE_0)];
+  const double *normal = feature_normal(s, t, feature);
   double to[3];
   vec_sub(x, hit->foot, to);
   hit->triangle = t;
@@ -196,20 +201,37 @@ static bool shares_points(const Surface *s, int32_t t, int32_t p, int32_t q)
   return has_p && has_q;
 }
 
-/* Is the closest point of facet t, on `feature`, also the closest of every triangle that shares the feature? */
-static bool is_local_foot(const Surface *s, int32_t t, const double x[3], double distance2, FacetFeature feature)
+/* Is the closest point of facet t, on `feature`, also the closest of every triangle that shares the feature? Then x lies
+ * in the cone of the normals there, which a look at the angles denies to most. */
+static bool is_local_foot(const Surface *s, int32_t t, const double x[3], const double foot[3], double distance2,
+                          FacetFeature feature)
 {
   if (feature == FEATURE_FACE) return true;
   const bool at_point = feature <= FEATURE_CORNER_2;
   const int k = (int)feature - (int)(at_point ? FEATURE_CORNER_0 : FEATURE_EDGE_0);
   const int32_t p = s->triangle[t][k], q = at_point ? -1 : s->triangle[t][(k + 1) % 3];
+  const double *normal = feature_normal(s, t, feature);
+  double to[3], least = 1.0;
+  vec_sub(foot, x, to);
+  for (int32_t f = s->fan_start[p]; f < s->fan_start[p + 1]; f++)
+    if (shares_points(s, s->fan[f], p, q)) least = fmin(least, vec_dot(s->facet[s->fan[f]].normal, normal));
+  if (vec_dot(to, normal) < (least - 1.0e-6) * sqrt(distance2)) return false;
   for (int32_t f = s->fan_start[p]; f < s->fan_start[p + 1]; f++) {
     if (!shares_points(s, s->fan[f], p, q)) continue;
-    double foot[3];
+    double other_foot[3];
     FacetFeature other;
-    if (facet_closest(&s->facet[s->fan[f]], x, foot, &other) < distance2 - s->tiny * sqrt(distance2)) return false;
+    if (facet_closest(&s->facet[s->fan[f]], x, other_foot, &other) < distance2 - s->tiny * sqrt(distance2)) return false;
   }
   return true;
+}
+
+/* Might x have a foot on the facet from behind, within reach? */
+static bool may_be_behind(const Facet *facet, const double x[3], double reach)
+{
+  double to[3];
+  vec_sub(x, facet->centre, to);
+  const double height = vec_dot(to, facet->normal), far = reach + facet->radius;
+  return height < 0.0 && height >= -reach && vec_dot(to, to) <= far * far;
 }
 
 /* Keep the nearest, sorted; equal distances in the order of the triangles. A foot on an edge is found once a triangle. */
@@ -249,11 +271,11 @@ int surface_thin_feet(const Surface *surface, const double x[3], double reach, S
         if (!(grid->flags[cell] & CELL_HOLDS_THIN)) continue;
         for (int32_t k = grid->start[cell]; k < grid->start[cell + 1]; k++) {
           const int32_t t = grid->item[k];
-          if (!surface->thin[t]) continue;
+          if (!surface->thin[t] || !may_be_behind(&surface->facet[t], x, reach)) continue;
           double foot[3];
           FacetFeature feature;
           const double distance2 = facet_closest(&surface->facet[t], x, foot, &feature);
-          if (distance2 > reach * reach || !is_local_foot(surface, t, x, distance2, feature)) continue;
+          if (distance2 > reach * reach || !is_local_foot(surface, t, x, foot, distance2, feature)) continue;
           SurfaceHit hit;
           fill_hit(surface, x, t, &hit);
           if (hit.distance < 0.0) count = insert_foot(feet, count, most, &hit, 1.0e3 * surface->tiny);

@@ -12,6 +12,7 @@
 #define CAST_KERNEL_PAIR_H
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "cast/kernel/kernel.h"
 
@@ -90,7 +91,24 @@ PAIR_INLINE double tait_pressure(double rho, double rho0, double c0, double gamm
   return rho0 * c0 * c0 / gamma * (power - 1.0);
 }
 
-/* Its inverse; a pressure below that of vacuum (-rho0 c0^2/gamma) gives the density of nearly nothing. */
+/* How far a particle's density tells that it was torn from its melt: 0 up to 2 % of stretching, twice the weak
+ * compressibility, 1 from 5 % on. A drop pulled out of a bulk loses density with its neighbours, and gets it back when it
+ * joins one again. */
+PAIR_INLINE double torn_fraction(double rho, double rho0)
+{
+  const double missing = (1.0 - rho / rho0 - 0.02) / 0.03;
+  return missing > 1.0 ? 1.0 : positive(missing);
+}
+
+/* Pressure that particles act with: Tait's, but a torn melt no longer pulls (else a drop of little density would pull at
+ * all it meets, with p/rho^2); with cut_tension none ever does. */
+PAIR_INLINE double melt_pressure(double rho, double rho0, double c0, double gamma, bool cut_tension)
+{
+  const double p = tait_pressure(rho, rho0, c0, gamma), pull = cut_tension ? 0.0 : 1.0 - torn_fraction(rho, rho0);
+  return p > 0.0 ? p : p * pull;
+}
+
+/* Tait's inverse; a pressure below that of vacuum (-rho0 c0^2/gamma) gives the density of nearly nothing. */
 PAIR_INLINE double tait_density(double p, double rho0, double c0, double gamma)
 {
   const double s = 1.0 + p * gamma / (rho0 * c0 * c0);
@@ -107,6 +125,14 @@ PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double g
   const double s = rho / rho0, s3 = s * s * s;
   const double power = gamma == 7.0 ? s3 * s3 : pow(s, gamma - 1.0);
   return rho0 * ((power - 1.0) / (gamma - 1.0) - g_dot_x / (c0 * c0));
+}
+
+/* A torn particle would have to be squeezed back to rho0 before its pressure keeps it out of a wall. Until then the wall
+ * answers with the pressure rho0 c0 u of sudden impact ("water hammer"), u being the speed into the wall:
+ * dv_i/dt = n impact_push, n = sum_j V_j F_ij d over the wall. */
+PAIR_INLINE double impact_push(double torn, double c0, double speed_into_wall)
+{
+  return torn * c0 * positive(speed_into_wall);
 }
 
 /* ---- two particles; d = x_i - x_j, u = v_i - v_j; F is kernel_slope ---- */

@@ -11,8 +11,7 @@ void sph_initialise(const SphParameters *sph, Particles *p)
   properties_update(sph->melt, p);
 #pragma omp parallel for
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-    p->p[i] = tait_pressure(p->rho[i], sph->rho0, sph->c0, sph->gamma);
-    if (sph->cut_tension) p->p[i] = positive(p->p[i]);
+    p->p[i] = melt_pressure(p->rho[i], sph->rho0, sph->c0, sph->gamma, sph->cut_tension);
     p->volume[i] = p->mass[i] / p->rho[i];
     p->rho_start[i] = p->rho[i];
     p->drho_last[i] = (double)NAN;

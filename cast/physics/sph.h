@@ -34,7 +34,7 @@ typedef struct SphParameters {
   SphDensity density;
   double delta;        // density diffusion (delta-SPH), 0.1; 0: none
   double alpha;        // artificial viscosity, 0: none
-  bool cut_tension;    // pressures below zero are set to zero
+  bool cut_tension;    // no pressure below zero (else until the melt is torn, from 2 to 5 % of stretching)
   double gravity[3], extra[3]; // m/s2, constant
   const Material *melt; // borrowed: T(E), kappa(T), mu(T); NULL: T, kappa, mu stay as they are set
   bool frozen_flow;    // particles stay where they are (heat only: H1, H2, H4)

@@ -41,12 +41,12 @@ SIMD_CLONES static void pack_rows(const Sweep *s, ptrdiff_t first, ptrdiff_t end
   const Particles *p = s->p;
   const SphParameters *sph = s->sph;
   const double rho0 = sph->rho0, c0 = sph->c0, gamma = sph->gamma, *g = s->scale.held;
-  const double least = sph->cut_tension ? 0.0 : -(double)INFINITY;
+  const bool cut = sph->cut_tension;
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
-    const double rho = p->rho[i], raw = tait_pressure(rho, rho0, c0, gamma);
+    const double rho = p->rho[i];
     const double g_dot_x = g[0] * p->x[0][i] + g[1] * p->x[1][i] + g[2] * p->x[2][i];
-    p->p[i] = raw > least ? raw : least;
+    p->p[i] = melt_pressure(rho, rho0, c0, gamma, cut);
     p->volume[i] = p->mass[i] / rho;
     double *record = p->record + i * RECORD_SIZE;
     record[REC_X] = p->x[0][i];
@@ -80,6 +80,7 @@ PAIR_INLINE double nearest_image(const SweepScales *scale, int axis, double d)
 
 typedef struct Rates {
   double drho, a[3], heat;
+  double away[3]; // 1/m, sum over walls of V_j F_ij d: points out of the wall
 } Rates;
 
 /* Add to `sum` what the n fluid neighbours in the block do to the particle of record `me`. */
@@ -131,15 +132,17 @@ PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, SweepTasks tasks
 }
 
 /* The same for walls: no diffusion into them, no artificial viscosity along them; the density feels the wall's own
- * velocity, the viscous stress the extrapolated one (Adami, Hu & Adams 2012). */
+ * velocity, the viscous stress the extrapolated one (Adami, Hu & Adams 2012).
+ * Walls push, they never pull: melt does not wet the mould, and a drop that was stretched a little would be drawn into the
+ * wall by its own negative pressure. */
 PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, bool periodic, const double *me, const Block *b,
                             ptrdiff_t n, Rates *sum)
 {
   const SweepScales *c = &s->scale;
   const double mass = s->p->mass[0], rho_i = mass / me[REC_VOLUME], per_rho_i = me[REC_VOLUME] / mass;
-  const double mu = me[REC_MU], per_mu_sum = 1.0 / (2.0 * mu + TINY_SUM);
-  double drho = 0.0, ax = 0.0, ay = 0.0, az = 0.0;
-#pragma omp simd reduction(+ : drho, ax, ay, az)
+  const double mu = me[REC_MU], per_mu_sum = 1.0 / (2.0 * mu + TINY_SUM), P_i = positive(me[REC_P]);
+  double drho = 0.0, ax = 0.0, ay = 0.0, az = 0.0, sx = 0.0, sy = 0.0, sz = 0.0;
+#pragma omp simd reduction(+ : drho, ax, ay, az, sx, sy, sz)
   for (ptrdiff_t k = 0; k < n; k++) {
     double dx = me[REC_X] - b->field[REC_X][k], dy = me[REC_Y] - b->field[REC_Y][k],
            dz = me[REC_Z] - b->field[REC_Z][k];
@@ -152,17 +155,34 @@ PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, bool periodic, co
     const double volume_j = b->field[REC_VOLUME][k];
     const double u_dot_d = (me[REC_VX] - b->field[REC_WALL_VX][k]) * dx + (me[REC_VY] - b->field[REC_WALL_VY][k]) * dy +
                            (me[REC_VZ] - b->field[REC_WALL_VZ][k]) * dz;
-    const double push = pair_pressure(b->field[REC_WALL_MASS][k], me[REC_P], b->field[REC_P][k], 0.0, F);
+    const double push = pair_pressure(b->field[REC_WALL_MASS][k], P_i, b->field[REC_P][k], 0.0, F);
     const double drag = pair_viscosity(volume_j, per_rho_i, mu, mu, per_mu_sum, F);
     drho += pair_continuity(volume_j, rho_i, u_dot_d, F);
     ax += push * dx - drag * (me[REC_VX] - b->field[REC_VX][k]);
     ay += push * dy - drag * (me[REC_VY] - b->field[REC_VY][k]);
     az += push * dz - drag * (me[REC_VZ] - b->field[REC_VZ][k]);
+    sx += volume_j * F * dx;
+    sy += volume_j * F * dy;
+    sz += volume_j * F * dz;
   }
+  sum->away[0] += sx;
+  sum->away[1] += sy;
+  sum->away[2] += sz;
   sum->drho += drho;
   sum->a[0] += ax;
   sum->a[1] += ay;
   sum->a[2] += az;
+}
+
+/* A torn particle that flies into a wall (at rest) is stopped. */
+PAIR_INLINE void stop_torn(const Sweep *s, const double *me, Rates *sum)
+{
+  const double torn = torn_fraction(s->p->mass[0] / me[REC_VOLUME], s->sph->rho0), *away = sum->away;
+  const double size2 = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
+  if (torn <= 0.0 || size2 <= 0.0) return;
+  const double along = me[REC_VX] * away[0] + me[REC_VY] * away[1] + me[REC_VZ] * away[2];
+  const double push = impact_push(torn, s->sph->c0, -along / sqrt(size2));
+  for (int d = 0; d < 3; d++) sum->a[d] += push * away[d];
 }
 
 /* A neighbour of nothing: its pair terms are zero because it coincides with `me`, and for walls has no mass or volume. */
@@ -195,6 +215,7 @@ PAIR_INLINE void sweep_rows(const Sweep *s, KernelKind kernel, SweepTasks tasks,
           block_fill(&block, p->record, wall->index + k, left < BLOCK_PAIRS ? left : BLOCK_PAIRS, filler);
       wall_pairs(s, kernel, periodic, me, &block, n, &sum);
     }
+    stop_torn(s, me, &sum);
     p->drho[i] = s->sph->density == SPH_CONTINUITY ? sum.drho : 0.0;
     for (int d = 0; d < 3; d++) p->a[d][i] = sum.a[d] + s->scale.body[d];
   }

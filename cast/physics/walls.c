@@ -48,8 +48,7 @@ PAIR_INLINE void set_wall(const Sweep *s, ptrdiff_t k, const WallSums *sum)
   const SphParameters *sph = s->sph;
   const ptrdiff_t i = p->n_fluid + k;
   const double per_weight = sum->weight > 0.0 ? 1.0 / sum->weight : 0.0;
-  const double pressure = sum->p * per_weight;
-  p->p[i] = sph->cut_tension ? positive(pressure) : pressure;
+  p->p[i] = positive(sum->p * per_weight); // walls push, they never pull
   p->rho[i] = tait_density(p->p[i], sph->rho0, sph->c0, sph->gamma);
   double *record = p->record + i * RECORD_SIZE;
   for (int d = 0; d < 3; d++) {

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # From a fresh machine to a filled casting: installs what is missing, builds, reduces the mould, casts, draws.
 set -euo pipefail
+export OMP_WAIT_POLICY=passive # waiting threads sleep: kinder, and on a shared machine much faster
 cd "$(dirname "$0")/../.."
 . share/setup.sh
 setup_packages

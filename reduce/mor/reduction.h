@@ -25,7 +25,9 @@ typedef struct Reduction {
   PetscInt n_shifts;
   PetscReal *shifts; // [n_shifts] in the order taken, 1/s
   PetscInt moments_per_shift;
-  PetscReal step_error, second_stage_bound;
+  PetscReal step_error;         // of the first stage, on the sampled inputs
+  PetscReal second_stage_error; // what the second stage adds, on every input
+  PetscReal second_stage_bound; // K/W, of the transfer function
   double seconds_reference;
 } Reduction;
 

@@ -118,7 +118,8 @@ static PetscErrorCode deviation(const ModalModel *model, const ModalModel *small
 }
 
 PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *weight, PetscBool singular,
-                                     PetscInt n_times, const PetscReal *time, PetscReal allowed, ModalModel **smaller)
+                                     PetscInt n_times, const PetscReal *time, PetscReal allowed, PetscReal *reached,
+                                     ModalModel **smaller)
 {
   const size_t r = (size_t)model->r;
   PetscInt too_few = 1, enough = model->r; // orders known to miss and to keep what is allowed
@@ -126,6 +127,7 @@ PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *w
 
   PetscFunctionBeginUser;
   *smaller = NULL;
+  *reached = 0.0;
   PetscCall(PetscMalloc1(r * r, &U));
   PetscCall(balance(model, weight, EARLY_WEIGHT, U));
   while (enough - too_few > PetscMax(1, enough / 100)) { // an order within a percent of the least will do
@@ -138,6 +140,7 @@ PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *w
     if (worst <= allowed) {
       PetscCall(modal_model_destroy(smaller));
       *smaller = candidate;
+      *reached = worst;
       enough = k;
     } else {
       PetscCall(modal_model_destroy(&candidate));

@@ -593,6 +593,7 @@ static void the_exchange_has_the_same_bits_on_any_number_of_threads(void **state
       free(heat[run]);
       free(flow[run]);
     }
+    omp_set_num_threads(1);
   }
 }
 
@@ -643,6 +644,7 @@ static void a_step_without_new_contacts_after_a_rebuild_is_refused(void **state)
 
 int main(void)
 {
+  omp_set_num_threads(1); // too few particles for more
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_the_melt_loses_the_patches_get),
       cmocka_unit_test(contact_resistance_alone_gives_h_area_difference),

@@ -21,6 +21,13 @@
 #include "tests/support/assert_close.h"
 #include "tests/support/cast_case.h"
 
+/* fontconfig keeps what it found. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void)
+{
+  return "leak:libfontconfig";
+}
+
 static CastCase casting;
 
 static int set_up(void **state)

@@ -1,0 +1,178 @@
+#include "tests/support/mould_case.h"
+
+#include <math.h>
+#include <petscksp.h>
+
+#include "reduce/petsc_compat.h"
+
+const BoxMould INVESTMENT_BOX = {.size = {0.024, 0.016, 0.02},
+                                 .cells = {12, 8, 16},
+                                 .grading = 2.5,
+                                 .patches = {4, 2},
+                                 .h_sides = 15.0,
+                                 .h_top = 15.0,
+                                 .kappa = {1.0},
+                                 .rho = {1800.0},
+                                 .c = {1100.0}};
+
+PetscErrorCode mould_case_create(MPI_Comm comm, const BoxMould *box, MouldCase *mould)
+{
+  PetscFunctionBeginUser;
+  PetscCall(box_mould_create(comm, box, &mould->mesh, &mould->config));
+  PetscCall(thermal_system_create(mould->mesh, mould->config, &mould->system));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode mould_case_destroy(MouldCase *mould)
+{
+  PetscFunctionBeginUser;
+  PetscCall(thermal_system_destroy(&mould->system));
+  PetscCall(box_mould_destroy(&mould->mesh, &mould->config));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+ReductionConfig rational_config(void)
+{
+  return (ReductionConfig){.method = REDUCTION_RATIONAL,
+                           .t_start = 1e-3,
+                           .t_end = 100.0,
+                           .tolerance = 1e-3,
+                           .deflation = 1e-8,
+                           .second_stage = true,
+                           .solver_rtol = 1e-13};
+}
+
+ReductionConfig arnoldi_config(void)
+{
+  ReductionConfig config = rational_config();
+  config.method = REDUCTION_ARNOLDI;
+  config.moments = 5;
+  config.second_stage = false;
+  return config;
+}
+
+/* Order 5 of R(z) = sum c_j w^j, w = 1/(1 - gamma z), with the gamma that makes P's degree 4: L-stable (Hairer &
+ * Wanner, Solving ODEs II, table IV.6.4). d_k = sum_{j >= k} c_j from sum_j c_j (j + i - 1 over i) gamma^i = 1/i!, i
+ * < 5. */
+enum { STAGES = 5 };
+static const PetscReal GAMMA = 0.278053841136452;
+
+static void scheme_weights(PetscReal d[STAGES])
+{
+  PetscReal A[STAGES][STAGES + 1], factorial = 1.0;
+  for (int i = 0; i < STAGES; i++) {
+    if (i > 0) factorial *= i;
+    A[i][STAGES] = 1.0 / factorial;
+    for (int j = 1; j <= STAGES; j++) {
+      A[i][j - 1] = pow(GAMMA, i);
+      for (int a = 1; a <= i; a++) A[i][j - 1] *= (PetscReal)(j - 1 + a) / a;
+    }
+  }
+  for (int p = 0; p < STAGES; p++) // Gauss-Jordan; the pivots are well away from 0 here
+    for (int i = 0; i < STAGES; i++) {
+      if (i == p) continue;
+      const PetscReal factor = A[i][p] / A[p][p];
+      for (int j = p; j <= STAGES; j++) A[i][j] -= factor * A[p][j];
+    }
+  PetscReal sum = 0.0;
+  for (int j = STAGES - 1; j >= 0; j--) d[j] = sum += A[j][STAGES] / A[j][j];
+}
+
+/* theta <- theta + gamma dt sum_k d_k v_k,  v_1 = M^-1 (F - K theta),  v_k+1 = M^-1 E v_k,  M = E + gamma dt K. */
+static PetscErrorCode advance(const ThermalSystem *system, KSP ksp, PetscReal dt, const PetscReal *d, Mat F, Mat theta,
+                              Mat v, Mat rhs)
+{
+  PetscFunctionBeginUser;
+  PetscCall(MatMatMult(system->K, theta, MAT_REUSE_MATRIX, PETSC_DEFAULT, &rhs));
+  PetscCall(MatAYPX(rhs, -1.0, F, SAME_NONZERO_PATTERN));
+  for (int k = 0; k < STAGES; k++) {
+    PetscCall(KSPMatSolve(ksp, rhs, v));
+    PetscCall(MatAXPY(theta, GAMMA * dt * d[k], v, SAME_NONZERO_PATTERN));
+    if (k + 1 < STAGES) {
+      Mat Ev;
+      PetscCall(MatMatMult(system->E, v, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &Ev));
+      PetscCall(MatCopy(Ev, rhs, SAME_NONZERO_PATTERN));
+      PetscCall(MatDestroy(&Ev));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The Cholesky factor of E + gamma dt K. */
+static PetscErrorCode factorise(const ThermalSystem *system, PetscReal dt, KSP ksp, Mat M)
+{
+  PC pc;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatCopy(system->E, M, SAME_NONZERO_PATTERN));
+  PetscCall(MatAXPY(M, GAMMA * dt, system->K, SAME_NONZERO_PATTERN));
+  PetscCall(KSPSetOperators(ksp, M, M));
+  PetscCall(KSPSetType(ksp, KSPPREONLY));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCCHOLESKY));
+  PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscCall(KSPSetUp(ksp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode read_outputs(const ThermalSystem *system, Mat theta, PetscReal *temperature)
+{
+  PetscInt k;
+  Vec column, of_patches;
+  const PetscScalar *values;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(theta, NULL, &k));
+  PetscCall(MatCreateVecs(system->B, &of_patches, NULL));
+  for (PetscInt j = 0; j < k; j++) {
+    PetscCall(MatDenseGetColumnVecRead(theta, j, &column));
+    PetscCall(MatMultTranspose(system->B, column, of_patches));
+    PetscCall(MatDenseRestoreColumnVecRead(theta, j, &column));
+    PetscCall(VecGetArrayRead(of_patches, &values));
+    PetscCall(PetscArraycpy(temperature + j * system->m, values, (size_t)system->m));
+    PetscCall(VecRestoreArrayRead(of_patches, &values));
+  }
+  PetscCall(VecDestroy(&of_patches));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal t_first, PetscInt n_times,
+                                   PetscInt steps, PetscReal *temperature)
+{
+  Mat M, theta, v, rhs;
+  KSP ksp;
+  PetscReal d[STAGES];
+  PetscInt k;
+
+  PetscFunctionBeginUser;
+  scheme_weights(d);
+  PetscCall(MatGetSize(F, NULL, &k));
+  PetscCall(MatDuplicate(system->E, MAT_COPY_VALUES, &M));
+  PetscCall(MatDuplicate(F, MAT_DO_NOT_COPY_VALUES, &theta));
+  PetscCall(MatZeroEntries(theta));
+  PetscCall(MatDuplicate(F, MAT_COPY_VALUES, &v));
+  PetscCall(MatMatMult(system->K, theta, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &rhs));
+  PetscCall(KSPCreate(PetscObjectComm((PetscObject)system->E), &ksp));
+  for (PetscInt i = 0; i < n_times; i++) {
+    const PetscReal span = i == 0 ? t_first : t_first * pow(2.0, (double)i - 1.0), dt = span / (PetscReal)steps;
+    PetscCall(factorise(system, dt, ksp, M));
+    for (PetscInt step = 0; step < steps; step++) PetscCall(advance(system, ksp, dt, d, F, theta, v, rhs));
+    PetscCall(read_outputs(system, theta, temperature + (size_t)i * (size_t)k * (size_t)system->m));
+  }
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(MatDestroy(&M));
+  PetscCall(MatDestroy(&theta));
+  PetscCall(MatDestroy(&v));
+  PetscCall(MatDestroy(&rhs));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void reduced_step_response(const ReducedModel *model, PetscInt j, PetscReal t, PetscReal *temperature)
+{
+  for (PetscInt i = 0; i < model->m; i++) temperature[i] = 0.0;
+  for (PetscInt k = 0; k < model->r; k++) {
+    const PetscReal *row = model->B + (size_t)k * (size_t)model->m, x = model->lambda[k] * t;
+    const PetscReal state = row[j] * (x > 1e-8 ? -expm1(-x) / model->lambda[k] : t * (1.0 - 0.5 * x));
+    for (PetscInt i = 0; i < model->m; i++) temperature[i] += row[i] * state;
+  }
+}

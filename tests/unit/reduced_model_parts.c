@@ -1,0 +1,248 @@
+/* The parts a reduction is made of, each against what it should be exactly. */
+#include "tests/support/petsc_test.h"
+
+#include <math.h>
+#include <slepcsys.h>
+
+#include "reduce/mor/dense_block.h"
+#include "reduce/mor/krylov_basis.h"
+#include "reduce/mor/lanczos.h"
+#include "reduce/mor/second_stage.h"
+#include "reduce/mor/shifts.h"
+#include "reduce/mor/small_dense.h"
+#include "reduce/petsc_compat.h"
+#include "tests/support/mould_case.h"
+
+static const BoxMould SMALL_BOX = {.size = {0.009, 0.006, 0.012},
+                                   .cells = {6, 4, 8},
+                                   .grading = 2.0,
+                                   .patches = {3, 2},
+                                   .h_sides = 15.0,
+                                   .h_top = 40.0,
+                                   .kappa = {1.0},
+                                   .rho = {1800.0},
+                                   .c = {1100.0}};
+
+static double worst_residual(const ThermalSystem *system, PetscReal s, Mat B, Mat X)
+{
+  PetscInt k;
+  Mat KX, EX;
+  PetscReal *minus, *r, *b;
+  double worst = 0.0;
+  TEST_PETSC(MatGetSize(B, NULL, &k));
+  TEST_PETSC(PetscMalloc3((size_t)k, &minus, (size_t)k, &r, (size_t)k, &b));
+  TEST_PETSC(dense_block_create(system->E, k, &KX));
+  TEST_PETSC(dense_block_create(system->E, k, &EX));
+  TEST_PETSC(dense_block_multiply(system->K, X, KX));
+  TEST_PETSC(dense_block_multiply(system->E, X, EX));
+  for (PetscInt c = 0; c < k; c++) minus[c] = s;
+  TEST_PETSC(dense_block_axpby(KX, 1.0, minus, EX));
+  for (PetscInt c = 0; c < k; c++) minus[c] = -1.0;
+  TEST_PETSC(dense_block_axpby(KX, 1.0, minus, B));
+  TEST_PETSC(dense_block_dots(KX, KX, r));
+  TEST_PETSC(dense_block_dots(B, B, b));
+  for (PetscInt c = 0; c < k; c++) worst = fmax(worst, sqrt(r[c] / b[c]));
+  TEST_PETSC(MatDestroy(&KX));
+  TEST_PETSC(MatDestroy(&EX));
+  TEST_PETSC(PetscFree3(minus, r, b));
+  return worst;
+}
+
+static void every_solve_meets_the_tolerance_asked_for(void **state)
+{
+  (void)state;
+  static const PetscReal shifts[] = {0.0, 1e-3, 1.0, 1e5}, tolerances[] = {1e-4, 1e-8};
+  MouldCase mould;
+  Mat X;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &mould));
+  TEST_PETSC(dense_block_create(mould.system->E, mould.system->m, &X));
+  for (int iterative = 0; iterative < 2; iterative++)
+    for (int i = 0; i < 8; i++) {
+      ShiftedSolver *solver;
+      TEST_PETSC(shifted_solver_create(mould.system, tolerances[i / 4], (PetscBool)iterative, &solver));
+      TEST_PETSC(shifted_solver_set_shift(solver, shifts[i % 4], mould.system->m));
+      TEST_PETSC(shifted_solver_solve(solver, mould.system->B, X));
+      assert_true(worst_residual(mould.system, shifts[i % 4], mould.system->B, X) <= 1.001 * tolerances[i / 4]);
+      assert_int_equal(shifted_solver_get_count(solver).columns, mould.system->m);
+      TEST_PETSC(shifted_solver_destroy(&solver));
+    }
+  TEST_PETSC(MatDestroy(&X));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+static void high_shifts_do_without_a_factor(void **state)
+{
+  (void)state;
+  MouldCase mould;
+  ShiftedSolver *solver;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &mould));
+  TEST_PETSC(shifted_solver_create(mould.system, 1e-6, PETSC_FALSE, &solver));
+  TEST_PETSC(shifted_solver_set_shift(solver, 1e6, 8));
+  assert_int_equal(shifted_solver_get_count(solver).setups, 0);
+  TEST_PETSC(shifted_solver_set_shift(solver, 1e-3, 1000));
+  assert_int_equal(shifted_solver_get_count(solver).setups, 1);
+  TEST_PETSC(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  assert_int_equal(shifted_solver_set_shift(solver, -1.0, 1), PETSC_ERR_ARG_OUTOFRANGE);
+  TEST_PETSC(PetscPopErrorHandler());
+  TEST_PETSC(shifted_solver_destroy(&solver));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+/* Step responses by one real pole over a ratio of 50 in time, against the L-stable scheme of order 5. */
+static void lanczos_step_responses_agree_with_time_integration(void **state)
+{
+  (void)state;
+  enum { TIMES = 7, STEPS = 20 };
+  const PetscReal t_first = 0.1;
+  MouldCase mould;
+  ShiftedSolver *solver;
+  Lanczos *lanczos;
+  PetscReal *exact, *ours, time[TIMES], rise = 0.0, worst = 0.0;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &mould));
+  const size_t m = (size_t)mould.system->m;
+  TEST_PETSC(PetscMalloc2(TIMES * m * m, &exact, TIMES * m, &ours));
+  TEST_PETSC(full_step_responses(mould.system, mould.system->B, t_first, TIMES, 16, exact));
+  TEST_PETSC(shifted_solver_create(mould.system, 1e-13, PETSC_FALSE, &solver));
+  for (int i = 0; i < TIMES; i++) time[i] = t_first * pow(2.0, i);
+  TEST_PETSC(shifted_solver_set_shift(solver, 8.0 / (8.0 * t_first), 100));
+  TEST_PETSC(lanczos_create(mould.system, solver, mould.system->B, mould.system->B, &lanczos));
+  for (int step = 0; step < STEPS; step++) TEST_PETSC(lanczos_step(lanczos));
+  for (size_t j = 0; j < m; j++) {
+    TEST_PETSC(lanczos_response(lanczos, (PetscInt)j, TIMES, time, ours));
+    for (size_t i = 0; i < TIMES; i++)
+      for (size_t l = 0; l < m; l++) {
+        rise = fmax(rise, fabs(exact[(i * m + j) * m + l]));
+        worst = fmax(worst, fabs(exact[(i * m + j) * m + l] - ours[i * m + l]));
+      }
+  }
+  assert_true(worst / rise < 1e-6); // (sqrt 2 - 1)^20 = 2e-8; the scheme's own error at 16 steps is below 1e-7
+  TEST_PETSC(lanczos_destroy(&lanczos));
+  TEST_PETSC(shifted_solver_destroy(&solver));
+  TEST_PETSC(PetscFree2(exact, ours));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+static void basis_drops_what_it_holds_already(void **state)
+{
+  (void)state;
+  MouldCase mould;
+  KrylovBasis *basis;
+  Mat X;
+  PetscInt kept;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &mould));
+  const PetscInt m = mould.system->m;
+  TEST_PETSC(krylov_basis_create(mould.system, mould.system->B, 4, m, 1e-8, &basis)); // capacity 4: it has to grow
+  assert_int_equal(basis->r, 1);
+  for (int round = 0; round < 2; round++) {
+    TEST_PETSC(krylov_basis_get_block(basis, m, &X));
+    TEST_PETSC(dense_block_copy(X, 0, mould.system->B, NULL, m));
+    TEST_PETSC(krylov_basis_add(basis, &X, &kept));
+    assert_int_equal(kept, round == 0 ? m : 0);
+  }
+  assert_int_equal(basis->r, m + 1);
+  double capacity = 0.0;
+  for (PetscInt k = 0; k < basis->r; k++) capacity += basis->constant[k] * basis->constant[k];
+  ASSERT_CLOSE(capacity / (SMALL_BOX.size[0] * SMALL_BOX.size[1] * SMALL_BOX.size[2] * 1800.0 * 1100.0), 1.0, 1e-12);
+  TEST_PETSC(krylov_basis_destroy(&basis));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+/* A chain of decaying modes, one port: 1/rate in the Gramian falls fast, so few states are needed. */
+static void second_stage_keeps_what_is_allowed_and_the_constant(void **state)
+{
+  (void)state;
+  enum { R = 24, TIMES = 9 };
+  PetscReal K[R * R] = {0}, B[R], constant[R], time[TIMES], weight = 1.0, reached, before = 0.0, after = 0.0;
+  ModalModel *model, *smaller;
+  for (int k = 0; k < R; k++) {
+    K[k + R * k] = 0.01 * pow(1.7, k);
+    B[k] = 1.0 / sqrt(1.0 + k);
+    constant[k] = k == 0 ? 2.0 : k == 3 ? -0.5 : 0.0;
+    before += constant[k] * constant[k];
+  }
+  for (int t = 0; t < TIMES; t++) time[t] = pow(10.0, -2.0 + 0.5 * t);
+  TEST_PETSC(modal_model_create(PETSC_COMM_SELF, R, 1, K, R, B, constant, PETSC_FALSE, &model));
+  TEST_PETSC(second_stage_truncate(model, &weight, PETSC_FALSE, TIMES, time, 1e-3, &reached, &smaller));
+  assert_non_null(smaller);
+  assert_true(smaller->r < R);
+  assert_true(reached > 0.0 && reached <= 1e-3);
+  for (PetscInt k = 0; k < smaller->r; k++) after += smaller->constant[k] * smaller->constant[k];
+  ASSERT_CLOSE(after, before, 1e-12);
+  for (int t = 0; t < TIMES; t++) {
+    PetscReal u = 1.0, z[R], full, reduced;
+    modal_model_step_response(model, time[t], &u, z, &full);
+    modal_model_step_response(smaller, time[t], &u, z, &reduced);
+    ASSERT_CLOSE(reduced / full, 1.0, 1e-3); // one port: the rise so far is the response itself
+  }
+  TEST_PETSC(modal_model_destroy(&smaller));
+  TEST_PETSC(modal_model_destroy(&model));
+}
+
+static void phi_is_smooth_where_the_rate_vanishes(void **state)
+{
+  (void)state;
+  ASSERT_CLOSE(modal_phi(0.0, 3.0), 3.0, 0.0);
+  ASSERT_CLOSE(modal_phi(2.0, 1.0), (1.0 - exp(-2.0)) / 2.0, 1e-16);
+  ASSERT_CLOSE(modal_phi(0.99e-8, 1.0), modal_phi(1.01e-8, 1.0), 2e-10); // both sides of the switch to the series
+  ASSERT_CLOSE(modal_phi(1e9, 1.0), 1e-9, 1e-24);
+}
+
+static void planned_shifts_span_the_band_of_times(void **state)
+{
+  (void)state;
+  ShiftPlan loose, tight;
+  PetscInt of_loose = 0, of_tight = 0;
+  TEST_PETSC(shifts_plan(1e-3, 100.0, 1e-2, &loose));
+  TEST_PETSC(shifts_plan(1e-3, 100.0, 1e-5, &tight));
+  ASSERT_CLOSE(tight.shift[0] * 100.0, 1.0, 1e-12);
+  ASSERT_CLOSE(tight.shift[tight.n - 1] * 1e-3, 1.0, 1e-12);
+  for (PetscInt i = 0; i < loose.n; i++) of_loose += loose.moments[i];
+  for (PetscInt i = 0; i < tight.n; i++) {
+    of_tight += tight.moments[i];
+    if (i > 1)
+      ASSERT_CLOSE(tight.shift[i] / tight.shift[i - 1], tight.shift[1] / tight.shift[0],
+                   1e-9 * tight.shift[1] / tight.shift[0]);
+  }
+  assert_true(of_tight > of_loose && of_loose >= 4);
+  TEST_PETSC(shifts_plan_destroy(&loose));
+  TEST_PETSC(shifts_plan_destroy(&tight));
+}
+
+static void a_shift_is_added_where_the_error_is(void **state)
+{
+  (void)state;
+  const PetscReal shifts[] = {0.01, 1.0, 100.0}, time[] = {1e-3, 0.1, 10.0};
+  PetscReal early[] = {0.0, 1.0, 0.0}, late[] = {0.0, 0.0, 1.0}, s;
+  TEST_PETSC(shifts_suggest(3, shifts, 3, time, early, &s));
+  ASSERT_CLOSE(s, 10.0, 1e-12);
+  TEST_PETSC(shifts_suggest(3, shifts, 3, time, late, &s));
+  ASSERT_CLOSE(s, 0.1, 1e-14);
+}
+
+static void largest_eigenvalue_of_a_hermitian_matrix_is_found(void **state)
+{
+  (void)state;
+  /* [2 i; -i 2] has the eigenvalues 1 and 3. */
+  const PetscReal P[] = {2.0, 0.0, 0.0, 2.0}, S[] = {0.0, -1.0, 1.0, 0.0};
+  PetscReal largest;
+  TEST_PETSC(small_hermitian_largest(PETSC_COMM_SELF, 2, P, S, &largest));
+  ASSERT_CLOSE(largest, 3.0, 1e-14);
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_solve_meets_the_tolerance_asked_for),
+      cmocka_unit_test(high_shifts_do_without_a_factor),
+      cmocka_unit_test(lanczos_step_responses_agree_with_time_integration),
+      cmocka_unit_test(basis_drops_what_it_holds_already),
+      cmocka_unit_test(second_stage_keeps_what_is_allowed_and_the_constant),
+      cmocka_unit_test(phi_is_smooth_where_the_rate_vanishes),
+      cmocka_unit_test(planned_shifts_span_the_band_of_times),
+      cmocka_unit_test(a_shift_is_added_where_the_error_is),
+      cmocka_unit_test(largest_eigenvalue_of_a_hermitian_matrix_is_found),
+  };
+  if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;
+  const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  return SlepcFinalize() ? 1 : failed;
+}
