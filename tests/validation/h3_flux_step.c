@@ -74,8 +74,9 @@ static void wall_temperature_follows_the_half_space_law(void **state)
   const double start = validation_cpu_time();
   validation_begin("H3");
   const Errors fine = measure(LAYERS, GRADING, true), coarse = measure(LAYERS / 2, GRADING, false);
-  const char *resolution = validation_text("%d layers, the first %.1f um; with half of them %.2f %%, order %.2f", LAYERS,
-                                           1e6 * fine.first_layer, 100 * coarse.full, log2(coarse.full / fine.full));
+  const char *resolution =
+      validation_text("%d layers, the first %.1f um; with half of them %.2f %%, order %.2f", LAYERS,
+                      1e6 * fine.first_layer, 100 * coarse.full, log2(coarse.full / fine.full));
   const BoxMould box = column(LAYERS, GRADING);
   validation_write(&(ValidationRow){
       .id = "H3",
