@@ -118,20 +118,26 @@ static PetscErrorCode factorise(const ThermalSystem *system, PetscReal dt, KSP k
 static PetscErrorCode read_outputs(const ThermalSystem *system, Mat theta, PetscReal *temperature)
 {
   PetscInt k;
-  Vec column, of_patches;
+  Vec column, of_patches, on_all;
+  VecScatter to_all;
   const PetscScalar *values;
 
   PetscFunctionBeginUser;
   PetscCall(MatGetSize(theta, NULL, &k));
   PetscCall(MatCreateVecs(system->B, &of_patches, NULL));
+  PetscCall(VecScatterCreateToAll(of_patches, &to_all, &on_all));
   for (PetscInt j = 0; j < k; j++) {
     PetscCall(MatDenseGetColumnVecRead(theta, j, &column));
     PetscCall(MatMultTranspose(system->B, column, of_patches));
     PetscCall(MatDenseRestoreColumnVecRead(theta, j, &column));
-    PetscCall(VecGetArrayRead(of_patches, &values));
+    PetscCall(VecScatterBegin(to_all, of_patches, on_all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecScatterEnd(to_all, of_patches, on_all, INSERT_VALUES, SCATTER_FORWARD));
+    PetscCall(VecGetArrayRead(on_all, &values));
     PetscCall(PetscArraycpy(temperature + j * system->m, values, (size_t)system->m));
-    PetscCall(VecRestoreArrayRead(of_patches, &values));
+    PetscCall(VecRestoreArrayRead(on_all, &values));
   }
+  PetscCall(VecScatterDestroy(&to_all));
+  PetscCall(VecDestroy(&on_all));
   PetscCall(VecDestroy(&of_patches));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
