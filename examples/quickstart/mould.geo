@@ -4,8 +4,8 @@ SetFactory("OpenCASCADE");
 
 radius = 13; height = 26;       // mould
 cup = 9; cup_floor = 22;        // square cup, open at the top
-sprue_r = 1.8;                  // sprue from the cup down to the disc
-disc_r = 4.6; disc_low = 13; disc_high = 14.4;
+sprue_r = 2.2;                  // sprue from the cup down to the disc
+disc_r = 4.2; disc_low = 13; disc_high = 14.4;
 pin_r = 0.55; pin_low = 8.5;    // five pins, 1.1 mm across, 4.5 mm long
 
 Cylinder(1) = {0, 0, 0, 0, 0, height, radius};

@@ -13,7 +13,7 @@
 #include "tests/support/validation.h"
 
 static const double depth = 0.1, gravity = 9.81, rho0 = 1000.0;
-enum { ACROSS = 6, FINE = 16, COARSE = 8 };
+enum { ACROSS = 6, FINE = 20, COARSE = 8 };
 
 typedef struct Rest {
   double pressure;  // largest |p - rho g (H - z)| of a particle from 1 s to 10 s, over rho g H
