@@ -173,8 +173,8 @@ static ShapedMould tub_with_fin(double t, ShapedBox box[2])
   return (ShapedMould){{-15, -15, -15}, {15, 15, 10}, 2, box, 2.0, NULL, NULL};
 }
 
-/* A fin one spacing thick, at an offset to the lattice, and one that fills half the tub: from the free side both are the
- * same wall, on the plain, at the foot and below the floor. */
+/* A fin one spacing thick, at an offset to the lattice, and one that fills half the tub: from the free side both are
+ * the same wall, on the plain, at the foot and below the floor. */
 static void a_thin_wall_feels_like_a_thick_one(void **state)
 {
   (void)state;
@@ -183,15 +183,18 @@ static void a_thin_wall_feels_like_a_thick_one(void **state)
   const double origin[3] = {0.13, 0.31, -0.27};
   Case thin = make_case(&thin_shape, 2.6, origin), thick = make_case(&thick_shape, 2.6, origin);
   unsigned long long seed = 6;
-  double strongest = 0.0, worst = 0.0, sum2=0;
+  double strongest = 0.0, square = 0.0;
   for (int i = 0; i < 300; i++) {
     double x[3];
     random_point(&seed, (const double[3]){-5, 0.05, -7.9}, (const double[3]){5, 2.5, 0}, x);
     const double wanted = wall_sum(&thick, x, 1.3), found = wall_sum(&thin, x, 1.3);
-    worst=fmax(worst,fabs(found-wanted)); sum2+=pow(found-wanted,2); if(fabs(found-wanted)>2e-4) print_message("%g %g %g: %g %g\n",x[0],x[1],x[2],found,wanted);
+    // echoes below a thousandth of a cell are left out; at the foot a cell is taken for mould or echo as a whole
+    assert_close(found, wanted, x[2] > -5.0 ? 2e-4 : 5e-3);
+    square += pow(found - wanted, 2.0);
     strongest = fmax(strongest, wanted);
   }
   assert_true(strongest > 0.5);
+  assert_true(sqrt(square / 300.0) < 5e-4);
   release(&thin);
   release(&thick);
 }
@@ -216,7 +219,7 @@ static void nothing_is_felt_of_a_thin_walls_other_side(void **state)
     if (side < 0.0) x[1] = -1.0 - x[1];
     for (ptrdiff_t k = 0; k < made.walls.n; k++) {
       wall_at(&made.walls, k, place, foot, normal);
-      if (vec_distance2(x, place) > 2.6 * 2.6 || foot[2] > 1.5) continue;
+      if (vec_distance2(x, place) > 2.6 * 2.6 || foot[2] > 1.5 || foot[2] < -7.9) continue; // below: common ground
       if (side * normal[1] < -0.5) assert_false(walls_seen(made.surface, x, place, foot, normal, made.walls.echo[k]));
     }
   }
