@@ -12,4 +12,4 @@ machine under varying load.
 | case | quantity | reference | ours | error | target | resolution | CPU s |
 |---|---|---|---|---|---|---|---|
 TEXT
-find "$1" -name '*.md' | LC_ALL=C sort -V | xargs -r cat
+find "$1" -name '*.md' -print0 | LC_ALL=C sort -zV | xargs -0 -r cat
