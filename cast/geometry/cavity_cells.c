@@ -53,8 +53,9 @@ static double wall_distance2(const NearestWall *wall, ptrdiff_t cell, const int3
   return facet_closest(&mask->surface->facet[wall->triangle[cell]], x, foot, &feature);
 }
 
-/* One sweep of a closest-point transform: each cell takes the nearest of its own triangle and those of the 13 neighbours
- * already passed (P.-E. Danielsson, Comput. Graph. Image Process. 14 (1980) 227). Serial, so always the same. */
+/* One sweep of a closest-point transform: each cell takes the nearest of its own triangle and those of the 13
+ * neighbours already passed (P.-E. Danielsson, Comput. Graph. Image Process. 14 (1980) 227). Serial, so always the
+ * same. */
 static void sweep_nearest(const NearestWall *wall, bool forward)
 {
   const CavityMask *mask = wall->mask;
@@ -124,8 +125,10 @@ CastStatus cavity_cells_create(const Surface *surface, const RomData *rom, doubl
   int32_t *name_of_patch = malloc((rom->m ? rom->m : 1) * sizeof *name_of_patch);
   ptrdiff_t *list = NULL;
   CastStatus status = CAST_ERR_MEMORY;
-  if (name_of_patch) status = build_cells(&mask, rom, name_of_patch, &list, cells, err);
-  else cast_error_set(err, status, "no memory for %zu patches", rom->m);
+  if (name_of_patch)
+    status = build_cells(&mask, rom, name_of_patch, &list, cells, err);
+  else
+    cast_error_set(err, status, "no memory for %zu patches", rom->m);
   free(list);
   free(name_of_patch);
   cavity_mask_destroy(&mask);

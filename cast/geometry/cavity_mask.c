@@ -40,8 +40,10 @@ void cavity_mask_void(const CavityMask *mask, ptrdiff_t cell, CutPart *part)
     half_diagonal += 0.25 * (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
   }
   SurfaceHit hit;
-  if (surface_nearest(mask->surface, centre, sqrt(half_diagonal), &hit)) cut_box(mask->surface, &box, NULL, &mould);
-  else if (surface_inside_mould(mask->surface, centre)) mould = *part;
+  if (surface_nearest(mask->surface, centre, sqrt(half_diagonal), &hit))
+    cut_box(mask->surface, &box, NULL, &mould);
+  else if (surface_inside_mould(mask->surface, centre))
+    mould = *part;
   cut_add(part, -1.0, &mould);
   if (part->volume < 1.0e-6 * mask->spacing * mask->spacing * mask->spacing) *part = (CutPart){0};
 }
@@ -55,7 +57,8 @@ static uint8_t classify(const CavityMask *mask, ptrdiff_t cell)
   for (int k = 0; k < 3; k++) x[k] = part.moment[k] / part.volume;
   SurfaceHit any, cavity;
   if (!surface_nearest(mask->surface, x, 1.01 * mask->spacing, &any)) return CELL_VOID;
-  const NearestQuery query = {.reach = fabs(any.distance) * (1.0 + 1.0e-9) + mask->surface->tiny, .guess = -1,
+  const NearestQuery query = {.reach = fabs(any.distance) * (1.0 + 1.0e-9) + mask->surface->tiny,
+                              .guess = -1,
                               .cavity_only = true}; // at the rim cavity wall and outer face are equally near
   return surface_nearest_query(mask->surface, x, &query, &cavity) ? CELL_CAVITY : CELL_VOID;
 }

@@ -79,8 +79,10 @@ static void cut_tetrahedron(const Pieces *pieces, int from, double sign, const d
     height[k] = sign * (vec_dot(plane->normal, x[k]) - plane->offset);
     double *to = height[k] <= 0.0 ? in[n_in] : out[n_out];
     vec_copy(x[k], to);
-    if (height[k] <= 0.0) in_height[n_in++] = height[k];
-    else out_height[n_out++] = height[k];
+    if (height[k] <= 0.0)
+      in_height[n_in++] = height[k];
+    else
+      out_height[n_out++] = height[k];
   }
   if (n_in == 0) return;
   if (n_in == 4) {

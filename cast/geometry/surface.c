@@ -105,9 +105,11 @@ static CastStatus finish_edge(Surface *s, const HalfEdge *edge, ptrdiff_t count,
     vec_axpy(1.0, s->facet[edge[k].side / 3].normal, normal, normal);
   }
   const double *at = s->point[edge->low];
-  CAST_CHECK(balance == 0, err, CAST_ERR_FORMAT,
-             "the mould's boundary is not closed, or not wound one way, at the edge from (%g, %g, %g) m: %td of its %td "
-             "triangles have no partner", at[0], at[1], at[2], balance > 0 ? balance : -balance, count);
+  CAST_CHECK(
+      balance == 0, err, CAST_ERR_FORMAT,
+      "the mould's boundary is not closed, or not wound one way, at the edge from (%g, %g, %g) m: %td of its %td "
+      "triangles have no partner",
+      at[0], at[1], at[2], balance > 0 ? balance : -balance, count);
   if (vec_normalise(normal) == 0.0) vec_copy(s->facet[edge->side / 3].normal, normal); // folded flat on itself
   for (ptrdiff_t k = 0; k < count; k++) vec_copy(normal, s->edge_normal[edge[k].side]);
   return CAST_OK;
@@ -153,7 +155,8 @@ static CastStatus make_vertices(Surface *s, CastError *err)
       s->fan[s->fan_start[p]++] = (int32_t)t;
       vec_axpy(corner_angle(&s->facet[t], k), s->facet[t].normal, s->vertex_normal[p], s->vertex_normal[p]);
     }
-  for (ptrdiff_t p = s->n_points; p > 0; p--) s->fan_start[p] = s->fan_start[p - 1]; // filling moved each start on by one
+  for (ptrdiff_t p = s->n_points; p > 0; p--)
+    s->fan_start[p] = s->fan_start[p - 1]; // filling moved each start on by one
   s->fan_start[0] = 0;
   for (ptrdiff_t p = 0; p < s->n_points; p++)
     if (vec_normalise(s->vertex_normal[p]) == 0.0)
@@ -207,8 +210,10 @@ CastStatus surface_create(const RomData *rom, double reach, Surface **surface, C
   }
   free(renumber);
   free(edges);
-  if (status == CAST_OK) *surface = s;
-  else surface_destroy(&s);
+  if (status == CAST_OK)
+    *surface = s;
+  else
+    surface_destroy(&s);
   return status;
 }
 
@@ -216,8 +221,9 @@ void surface_destroy(Surface **surface)
 {
   Surface *s = *surface;
   if (!s) return;
-  void *const owned[] = {s->point, s->triangle, s->facet, s->edge_normal, s->vertex_normal, s->fan_start, s->fan,
-                         s->patch, s->outer, s->thin, s->grid.start, s->grid.item, s->grid.flags, s->grid.steps};
+  void *const owned[] = {s->point,      s->triangle,  s->facet,      s->edge_normal, s->vertex_normal,
+                         s->fan_start,  s->fan,       s->patch,      s->outer,       s->thin,
+                         s->grid.start, s->grid.item, s->grid.flags, s->grid.steps};
   for (size_t k = 0; k < sizeof owned / sizeof *owned; k++) free(owned[k]);
   free(s);
   *surface = NULL;

@@ -14,7 +14,7 @@ typedef struct SurfaceHit {
   int32_t patch;    // ROM patch of the triangle (cavity or outer)
   double distance;  // m, signed
   double foot[3];   // m, nearest point of the surface
-  double normal[3]; // unit normal of the nearest feature (face, or angle-weighted at edges and corners), out of the mould
+  double normal[3]; // unit, out of the mould, of the face or (angle-weighted) of the edge or corner that is nearest
 } SurfaceHit;
 
 /*  reach  m: the largest distance at which surface_nearest will be asked; sizes the search grid
@@ -30,11 +30,13 @@ bool surface_nearest(const Surface *surface, const double x[3], double reach, Su
 /* Distance to one triangle's plane-bounded region and its foot, without a search (for a particle whose nearest triangle
  * is known from the last rebuild). Unsigned. */
 double surface_triangle_distance(const Surface *surface, int32_t triangle, const double x[3], double foot[3]);
-/* Is x inside the mould's solid? Right at any distance (falls back to a ray or winding count away from the surface). */
+/* Is x inside the mould's solid? Right at any distance: cells of the grid away from the surface know their side. */
 bool surface_inside_mould(const Surface *surface, const double x[3]);
-/* Does the mould stand between a and b? True if the open segment crosses the surface. Cheap (one grid look-up) where no
- * two sheets of the surface face away from each other within reach; exact where the mould's wall is thinner than that.
- * For a wall particle pass its foot, moved a little out along its normal. */
+/* Does the mould stand between a and b, so that melt at one does not feel what is at the other? True if the straight
+ * way passes through the mould, unless it only clips a convex edge blunter than 60 degrees (melt meets round it). Right
+ * for ends up to surface_reach apart: elsewhere than near a wall thinner than that nothing stands between, and the
+ * answer is one grid look-up. An end that lies in the mould counts for the side nearest to it. Nothing passes between
+ * triangles. For a wall particle see walls_seen. */
 bool surface_separates(const Surface *surface, const double a[3], const double b[3]);
 /* May surface_separates be true for any pair with one end at x and length below reach? (The quick test.) */
 bool surface_thin_near(const Surface *surface, const double x[3]);
@@ -43,8 +45,8 @@ bool surface_thin_near(const Surface *surface, const double x[3]);
  * up to the patch's. Used for the wetted area and the filling. */
 typedef struct SurfaceSamples {
   ptrdiff_t n;
-  double *x[3];    // m
-  double *area;    // m2
+  double *x[3]; // m
+  double *area; // m2
   int32_t *patch;
 } SurfaceSamples;
 CastStatus surface_samples_create(const Surface *surface, double spacing, SurfaceSamples *samples, CastError *err);

@@ -5,16 +5,16 @@
  * Trans. Graph. 9 (1990) 66). Triangles that share an edge or a point decide alike, so nothing passes between them and
  * nothing is counted twice.
  *
- * What hides. A way from a to b that enters the mould and leaves it again is blocked, but for one case: at a convex edge
- * of a thick mould (the lip of a feeder, the mouth of a pin) the way only clips the edge, and melt on both sides is one
- * body of melt that meets round the edge. There the sheets do not face away from each other and the point just above
- * the edge is void; between two pins it is mould. */
+ * What hides. A way from a to b that enters the mould and leaves it again is blocked, but for one case: at a convex
+ * edge of a thick mould (the lip of a feeder, the mouth of a pin) the way only clips the edge, and melt on both sides
+ * is one body of melt that meets round the edge. There the sheets do not face away from each other and the point just
+ * above the edge is void; between two pins it is mould. */
 #include "cast/geometry/surface_internal.h"
 
 enum { MAX_CROSSINGS = 64 };
 static const double FACING_AWAY = -0.5; // cosine of the normals: an edge sharper than 60 degrees is a fin, not an edge
 static const double FACING_ALIKE = 0.5;
-static const double OVERHANG = 0.1;     // of the reach: ends that dip into the mould by less are seen as outside
+static const double OVERHANG = 0.1; // of the reach: ends that dip into the mould by less are seen as outside
 
 void line_create(const double a[3], const double b[3], SheetLine *line)
 {
@@ -93,7 +93,8 @@ static void point_over_edge(const Wedge *wedge, const double n[3], const double 
 }
 
 /* The point a little outside the wedge, square to the way from its middle; false if that is far off. */
-static bool point_over_way(const Wedge *wedge, const double along[3], const double n[3], const double m[3], double out[3])
+static bool point_over_way(const Wedge *wedge, const double along[3], const double n[3], const double m[3],
+                           double out[3])
 {
   double up[3], rise = INFINITY;
   for (int k = 0; k < 3; k++) up[k] = n[k] + m[k];
@@ -179,39 +180,50 @@ static void add_crossing(Crossing *found, int *count, const Crossing *crossing)
   if (*count == MAX_CROSSINGS) return;
   int at = (*count)++;
   for (; at > 0 && (found[at - 1].t > crossing->t ||
-                    (found[at - 1].t == crossing->t && found[at - 1].triangle > crossing->triangle)); at--)
+                    (found[at - 1].t == crossing->t && found[at - 1].triangle > crossing->triangle));
+       at--)
     found[at] = found[at - 1];
   found[at] = *crossing;
 }
 
-/* All crossings between t_start and t_end, by t. */
-static int find_crossings(const Surface *s, const SheetLine *line, double t_start, double t_end,
-                          Crossing found[MAX_CROSSINGS])
+/* A line with its ends, to tell cheaply that a triangle's plane does not come between them. */
+typedef struct Span {
+  double from[3], to[3]; // m, the ends, overhang included
+  double margin;         // m, for rounding
+} Span;
+
+static bool on_one_side(const Span *span, const Facet *facet)
+{
+  double u[3], v[3];
+  vec_sub(span->from, facet->corner[0], u);
+  vec_sub(span->to, facet->corner[0], v);
+  const double at_from = vec_dot(u, facet->normal), at_to = vec_dot(v, facet->normal);
+  return (at_from > span->margin && at_to > span->margin) || (at_from < -span->margin && at_to < -span->margin);
+}
+
+/* All crossings from -overhang to 1 + overhang, by t; none is reported if the line meets no cell with a thin wall. */
+static int find_crossings(const Surface *s, const SheetLine *line, double overhang, Crossing found[MAX_CROSSINGS])
 {
   const SearchGrid *grid = &s->grid;
+  Span span = {.margin = 1.0e3 * s->tiny};
+  vec_axpy(-overhang, line->direction, line->origin, span.from);
+  vec_axpy(1.0 + overhang, line->direction, line->origin, span.to);
   GridWalk walk;
   int count = 0;
-  if (!walk_start(grid, line, t_start, t_end, &walk)) return 0;
+  bool thin = false;
+  if (!walk_start(grid, line, -overhang, 1.0 + overhang, &walk)) return 0;
   do {
     const ptrdiff_t cell = grid_index(grid, walk.at);
+    thin = thin || (grid->flags[cell] & CELL_HOLDS_THIN);
     for (int32_t k = grid->start[cell]; k < grid->start[cell + 1]; k++) {
       Crossing crossing = {.triangle = grid->item[k]};
-      if (line_crosses(line, &s->facet[crossing.triangle], &crossing.t, &crossing.leaving) && crossing.t >= t_start &&
-          crossing.t <= t_end)
+      const Facet *facet = &s->facet[crossing.triangle];
+      if (!on_one_side(&span, facet) && line_crosses(line, facet, &crossing.t, &crossing.leaving) &&
+          crossing.t >= -overhang && crossing.t <= 1.0 + overhang)
         add_crossing(found, &count, &crossing);
     }
   } while (walk_on(grid, &walk));
-  return count;
-}
-
-static bool meets_thin_cell(const Surface *s, const SheetLine *line, double t_start, double t_end)
-{
-  GridWalk walk;
-  if (!walk_start(&s->grid, line, t_start, t_end, &walk)) return false;
-  do {
-    if (s->grid.flags[grid_index(&s->grid, walk.at)] & CELL_HOLDS_THIN) return true;
-  } while (walk_on(&s->grid, &walk));
-  return false;
+  return thin ? count : 0;
 }
 
 /* One stretch of the line inside the mould, from p to q; the normals stand there. */
@@ -280,15 +292,18 @@ bool surface_thin_near(const Surface *surface, const double x[3])
 
 bool surface_hides(const Surface *surface, const double a[3], const double b[3], const SurfaceHit *end)
 {
-  if (!surface->any_thin || !surface_thin_near(surface, a)) return false;
+  const SearchGrid *grid = &surface->grid;
+  int32_t at[3];
+  grid_locate(grid, a, at);
+  if (!surface->any_thin || !grid_holds(grid, at)) return false;
+  const ptrdiff_t cell = grid_index(grid, at);
+  if (!(grid->flags[cell] & CELL_NEAR_THIN)) return false;
+  const double length = sqrt(vec_distance2(a, b));
+  if (!(length > 0.0) || (grid->steps[cell] - 1) * grid->cell > length) return false;
   SheetLine line;
-  line_create(a, b, &line);
-  const double length = vec_norm(line.direction);
-  if (!(length > 0.0)) return false;
-  const double overhang = OVERHANG * surface->reach / length;
-  if (!meets_thin_cell(surface, &line, -overhang, 1.0 + overhang)) return false;
   Crossing found[MAX_CROSSINGS];
-  const int count = find_crossings(surface, &line, -overhang, 1.0 + overhang, found);
+  line_create(a, b, &line);
+  const int count = find_crossings(surface, &line, OVERHANG * surface->reach / length, found);
   return count > 0 && line_is_hidden(surface, &line, found, count, end);
 }
 
@@ -297,8 +312,8 @@ bool surface_separates(const Surface *surface, const double a[3], const double b
   return surface_hides(surface, a, b, NULL);
 }
 
-bool surface_first_crossing(const Surface *surface, const double a[3], const double d[3], double length, double *distance,
-                            int32_t *triangle)
+bool surface_first_crossing(const Surface *surface, const double a[3], const double d[3], double length,
+                            double *distance, int32_t *triangle)
 {
   double b[3];
   vec_axpy(length, d, a, b);

@@ -1,6 +1,7 @@
 /* surface_grid.c - the uniform grid through which the surface is searched.
- * Cells are about as large as the cavity's triangles, but no finer than a quarter of the reach and never more than a few
- * million. Cells without triangles know whether they are mould or void, and how far the nearest triangle is at least. */
+ * Cells are about as large as the cavity's triangles, but no finer than a quarter of the reach and never more than a
+ * few million. Cells without triangles know whether they are mould or void, and how far the nearest triangle is at
+ * least. */
 #include "cast/geometry/surface_internal.h"
 
 #include <stdlib.h>
@@ -65,8 +66,10 @@ static void register_facet(Surface *s, int32_t t, int32_t *item)
       for (at[0] = first[0]; at[0] <= last[0]; at[0]++) {
         if (!plane_meets_cell(grid, &s->facet[t], at)) continue;
         const ptrdiff_t cell = grid_index(grid, at);
-        if (item) item[grid->start[cell]++] = t;
-        else grid->start[cell + 1]++;
+        if (item)
+          item[grid->start[cell]++] = t;
+        else
+          grid->start[cell + 1]++;
       }
 }
 

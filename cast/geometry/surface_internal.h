@@ -9,8 +9,8 @@
 #include "cast/geometry/vector.h"
 
 typedef struct Facet {
-  double corner[3][3]; // m; the same bits in every triangle that shares the point
-  double normal[3];    // unit, out of the mould
+  double corner[3][3];      // m; the same bits in every triangle that shares the point
+  double normal[3];         // unit, out of the mould
   double centre[3], radius; // m, of a sphere that holds it
 } Facet;
 
@@ -24,10 +24,10 @@ enum {
 typedef struct SearchGrid {
   double low[3], cell, per_cell; // m, m, 1/m
   int32_t n[3];
-  int32_t *start;  // [cells + 1] into item
-  int32_t *item;   // triangles that touch a cell (a hair's breadth around it included)
-  uint8_t *flags;  // [cells] CELL_*
-  uint8_t *steps;  // [cells] cells to go (king's moves) to the nearest cell with a triangle, at most 255
+  int32_t *start; // [cells + 1] into item
+  int32_t *item;  // triangles that touch a cell (a hair's breadth around it included)
+  uint8_t *flags; // [cells] CELL_*
+  uint8_t *steps; // [cells] cells to go (king's moves) to the nearest cell with a triangle, at most 255
 } SearchGrid;
 
 struct Surface {
@@ -51,7 +51,13 @@ struct Surface {
 
 /* Closest point of one triangle: its squared distance, and on what it lies. */
 typedef enum FacetFeature {
-  FEATURE_CORNER_0, FEATURE_CORNER_1, FEATURE_CORNER_2, FEATURE_EDGE_0, FEATURE_EDGE_1, FEATURE_EDGE_2, FEATURE_FACE
+  FEATURE_CORNER_0,
+  FEATURE_CORNER_1,
+  FEATURE_CORNER_2,
+  FEATURE_EDGE_0,
+  FEATURE_EDGE_1,
+  FEATURE_EDGE_2,
+  FEATURE_FACE
 } FacetFeature;
 double facet_closest(const Facet *facet, const double x[3], double foot[3], FacetFeature *feature);
 
@@ -99,9 +105,9 @@ static inline bool grid_range(const SearchGrid *grid, const double low[3], const
 
 /* What a search for the nearest point starts from. */
 typedef struct NearestQuery {
-  double reach;      // m; INFINITY: whatever the distance
-  int32_t guess;     // a triangle likely to be near, or -1; makes the search faster, never another answer
-  bool cavity_only;  // skip the outer faces
+  double reach;     // m; INFINITY: whatever the distance
+  int32_t guess;    // a triangle likely to be near, or -1; makes the search faster, never another answer
+  bool cavity_only; // skip the outer faces
 } NearestQuery;
 bool surface_nearest_query(const Surface *surface, const double x[3], const NearestQuery *query, SurfaceHit *hit);
 
@@ -128,8 +134,8 @@ bool surface_hides(const Surface *surface, const double a[3], const double b[3],
  * so leave its ends in sight of each other? */
 bool surface_clips(const Surface *surface, const double p[3], const double n[3], const double q[3], const double m[3]);
 /* First passage of the ray from a along unit d, at most `length` m away; false if none. */
-bool surface_first_crossing(const Surface *surface, const double a[3], const double d[3], double length, double *distance,
-                            int32_t *triangle);
+bool surface_first_crossing(const Surface *surface, const double a[3], const double d[3], double length,
+                            double *distance, int32_t *triangle);
 
 /* All feet of x on thin walls within reach where x is behind the sheet and no point of the sheet nearby is closer:
  * at most `most`, nearest first. */

@@ -74,7 +74,8 @@ static double cell_distance2(const SearchGrid *grid, const double x[3], const in
 {
   double sum = 0.0;
   for (int k = 0; k < 3; k++) {
-    const double low = grid->low[k] + at[k] * grid->cell - x[k], high = x[k] - (grid->low[k] + (at[k] + 1) * grid->cell);
+    const double low = grid->low[k] + at[k] * grid->cell - x[k],
+                 high = x[k] - (grid->low[k] + (at[k] + 1) * grid->cell);
     const double gap = (low > high ? low : high) - 1.0e-6 * grid->cell;
     sum += gap > 0.0 ? gap * gap : 0.0;
   }
@@ -104,8 +105,8 @@ static void search_ring(const Surface *s, const double x[3], const int32_t home[
   }
   for (at[2] = first[2]; at[2] <= last[2]; at[2]++)
     for (at[1] = first[1]; at[1] <= last[1]; at[1]++) {
-      const bool whole_row = at[2] == home[2] - ring || at[2] == home[2] + ring || at[1] == home[1] - ring ||
-                             at[1] == home[1] + ring;
+      const bool whole_row =
+          at[2] == home[2] - ring || at[2] == home[2] + ring || at[1] == home[1] - ring || at[1] == home[1] + ring;
       const int32_t stride = whole_row || ring == 0 ? 1 : 2 * ring;
       for (at[0] = whole_row ? first[0] : home[0] - ring; at[0] <= last[0]; at[0] += stride)
         if (at[0] >= 0) search_cell(s, x, at, query, best);
@@ -201,8 +202,8 @@ static bool shares_points(const Surface *s, int32_t t, int32_t p, int32_t q)
   return has_p && has_q;
 }
 
-/* Is the closest point of facet t, on `feature`, also the closest of every triangle that shares the feature? Then x lies
- * in the cone of the normals there, which a look at the angles denies to most. */
+/* Is the closest point of facet t, on `feature`, also the closest of every triangle that shares the feature? Then x
+ * lies in the cone of the normals there, which a look at the angles denies to most. */
 static bool is_local_foot(const Surface *s, int32_t t, const double x[3], const double foot[3], double distance2,
                           FacetFeature feature)
 {
@@ -220,7 +221,8 @@ static bool is_local_foot(const Surface *s, int32_t t, const double x[3], const 
     if (!shares_points(s, s->fan[f], p, q)) continue;
     double other_foot[3];
     FacetFeature other;
-    if (facet_closest(&s->facet[s->fan[f]], x, other_foot, &other) < distance2 - s->tiny * sqrt(distance2)) return false;
+    if (facet_closest(&s->facet[s->fan[f]], x, other_foot, &other) < distance2 - s->tiny * sqrt(distance2))
+      return false;
   }
   return true;
 }
@@ -234,7 +236,8 @@ static bool may_be_behind(const Facet *facet, const double x[3], double reach)
   return height < 0.0 && height >= -reach && vec_dot(to, to) <= far * far;
 }
 
-/* Keep the nearest, sorted; equal distances in the order of the triangles. A foot on an edge is found once a triangle. */
+/* Keep the nearest, sorted; equal distances in the order of the triangles. A foot on an edge is found once a triangle.
+ */
 static int insert_foot(SurfaceHit *feet, int count, int most, const SurfaceHit *hit, double tiny)
 {
   for (int k = 0; k < count; k++)

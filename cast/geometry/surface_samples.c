@@ -60,8 +60,8 @@ static ptrdiff_t cut_triangle(const Surface *s, ptrdiff_t t, double spacing, Sha
     for (int32_t j = 0; j < 2 * i + 1; j++) {
       const double down = j % 2 ? i + 1.0 / 3.0 : i + 2.0 / 3.0, across = j % 2 ? j / 2 + 2.0 / 3.0 : j / 2 + 1.0 / 3.0;
       Share *out = &share[n++];
-      *out = (Share){.patch = s->patch[t], .facing = facing_of(facet->normal),
-                     .area = facet_area(facet) / ((double)rows * rows)};
+      *out = (Share){
+          .patch = s->patch[t], .facing = facing_of(facet->normal), .area = facet_area(facet) / ((double)rows * rows)};
       for (int k = 0; k < 3; k++) {
         const double a = facet->corner[0][k], b = facet->corner[1][k], c = facet->corner[2][k];
         out->x[k] = a + (down - across) / rows * (b - a) + across / rows * (c - a);
@@ -76,7 +76,7 @@ static CastStatus make_shares(const Surface *s, double spacing, Share **shares, 
   double total = 0.0;
   for (ptrdiff_t t = 0; t < s->n_triangles; t++)
     if (!s->outer[t]) total += pow((double)count_rows(&s->facet[t], spacing), 2.0);
-  CAST_CHECK(total < 1.0e8, err, CAST_ERR_INPUT, "samples %g m apart would be %g on this cavity wall", spacing, total);
+  CAST_CHECK(total < 3.0e7, err, CAST_ERR_INPUT, "samples %g m apart would be %g on this cavity wall", spacing, total);
   *shares = malloc((size_t)(total + 1.0) * sizeof **shares);
   CAST_CHECK(*shares, err, CAST_ERR_MEMORY, "no memory for %g samples of the cavity wall", total);
   *n = 0;

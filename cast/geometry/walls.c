@@ -29,8 +29,8 @@ static bool block_is_near(const WallLattice *lattice, const int32_t corner[3])
 {
   double centre[3];
   for (int k = 0; k < 3; k++) centre[k] = lattice->origin[k] + (corner[k] + 0.5 * BLOCK) * lattice->spacing;
-  const NearestQuery query = {.reach = 2.0 * lattice->reach + 0.5 * sqrt(3.0) * BLOCK * lattice->spacing,
-                              .guess = -1, .cavity_only = true};
+  const NearestQuery query = {
+      .reach = 2.0 * lattice->reach + 0.5 * sqrt(3.0) * BLOCK * lattice->spacing, .guess = -1, .cavity_only = true};
   SurfaceHit hit;
   return surface_nearest_query(lattice->surface, centre, &query, &hit);
 }
@@ -99,14 +99,16 @@ static ptrdiff_t find_cell(const CellEntry *entries, ptrdiff_t n, const int32_t 
   ptrdiff_t low = 0, high = n;
   while (low < high) {
     const ptrdiff_t middle = (low + high) / 2;
-    if (compare_cells(entries[middle].cell, cell) < 0) low = middle + 1;
-    else high = middle;
+    if (compare_cells(entries[middle].cell, cell) < 0)
+      low = middle + 1;
+    else
+      high = middle;
   }
   return low;
 }
 
-/* The fullest particle of the sliver's own cell and the six next to it whose normal is no farther from the sliver's than
- * `alike` (a cosine); -1 if there is none. */
+/* The fullest particle of the sliver's own cell and the six next to it whose normal is no farther from the sliver's
+ * than `alike` (a cosine); -1 if there is none. */
 static int32_t find_host(const WallBuffer *all, const CellEntry *entries, ptrdiff_t n, int32_t sliver, double alike)
 {
   static const int32_t step[7][3] = {{0, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
@@ -164,9 +166,9 @@ static CastStatus allocate_walls(WallSet *walls, ptrdiff_t n, CastError *err)
 {
   const size_t size = (size_t)(n ? n : 1);
   bool ok = true;
-  double **const fields[] = {&walls->x[0], &walls->x[1], &walls->x[2], &walls->foot[0], &walls->foot[1],
-                             &walls->foot[2], &walls->normal[0], &walls->normal[1], &walls->normal[2],
-                             &walls->volume, &walls->depth};
+  double **const fields[] = {&walls->x[0],      &walls->x[1],    &walls->x[2],      &walls->foot[0],
+                             &walls->foot[1],   &walls->foot[2], &walls->normal[0], &walls->normal[1],
+                             &walls->normal[2], &walls->volume,  &walls->depth};
   for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) {
     *fields[k] = malloc(size * sizeof(double));
     ok = ok && *fields[k];
@@ -204,7 +206,8 @@ static CastStatus check_input(const WallLattice *lattice, CastError *err)
 {
   const Surface *s = lattice->surface;
   CAST_CHECK(lattice->spacing > 0.0 && lattice->reach > 0.0 && isfinite(lattice->spacing + lattice->reach), err,
-             CAST_ERR_ARGUMENT, "walls: spacing %g m and reach %g m must be positive", lattice->spacing, lattice->reach);
+             CAST_ERR_ARGUMENT, "walls: spacing %g m and reach %g m must be positive", lattice->spacing,
+             lattice->reach);
   CAST_CHECK(s->cavity_low[0] <= s->cavity_high[0], err, CAST_ERR_INPUT, "the mould has no cavity wall");
   double extent = 0.0;
   for (int k = 0; k < 3; k++) extent = fmax(extent, s->cavity_high[k] - s->cavity_low[k]);

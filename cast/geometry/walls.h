@@ -3,12 +3,12 @@
  * wall (and round the rim of its openings): each becomes a particle at the centroid of its part inside the mould with
  * that part's volume, so that sums over wall particles see the true wall, at any orientation, not a staircase.
  *
- * Where the mould's wall is thinner than the reach, each side gets wall particles of its own as deep as the reach. Those
- * of a side that lie where the mould belongs to the other side, or where there is no mould any more, are its echoes: they
- * stand for what a wall without other side would have there. Wall particles may then overlap in space, but a place is
- * either in sight of a fluid particle (and holds fluid, or a wall particle that is no echo) or hidden from it (and then
- * its echo counts): walls_seen tells, and of those seen none overlap. Where no wall is thin there are no echoes and
- * everything is seen. */
+ * Where the mould's wall is thinner than the reach, each side gets wall particles of its own as deep as the reach.
+ * Those of a side that lie where the mould belongs to the other side, or where there is no mould any more, are its
+ * echoes: they stand for what a wall without other side would have there. Wall particles may then overlap in space, but
+ * a place is either in sight of a fluid particle (and holds fluid, or a wall particle that is no echo) or hidden from
+ * it (and then its echo counts): walls_seen tells, and of those seen none overlap. Where no wall is thin there are no
+ * echoes and everything is seen. */
 #ifndef CAST_GEOMETRY_WALLS_H
 #define CAST_GEOMETRY_WALLS_H
 

@@ -48,8 +48,8 @@ static void add_particle(const WallLattice *lattice, const int32_t cell[3], cons
 
 /* A part whose centroid lies in the void (round a concave corner, on both sides of a slot) is halved until it does not:
  * no foot would be right for all of it. */
-static void add_part(const WallLattice *lattice, const int32_t cell[3], const CutBox *box, const CutPart *part, int level,
-                     int32_t guess, WallBuffer *out)
+static void add_part(const WallLattice *lattice, const int32_t cell[3], const CutBox *box, const CutPart *part,
+                     int level, int32_t guess, WallBuffer *out)
 {
   const double least = NOTHING * lattice->spacing * lattice->spacing * lattice->spacing;
   if (part->volume <= least) return;
@@ -155,8 +155,10 @@ void wall_cell_fill(const WallLattice *lattice, const int32_t cell[3], int32_t *
   if (!surface_nearest_query(lattice->surface, centre, &query, &hit)) return;
   *guess = hit.triangle;
   CutPart part = {0};
-  if (hit.distance <= -half_diagonal) cut_whole(&box, &part);
-  else if (hit.distance < half_diagonal) cut_box(lattice->surface, &box, NULL, &part);
+  if (hit.distance <= -half_diagonal)
+    cut_whole(&box, &part);
+  else if (hit.distance < half_diagonal)
+    cut_box(lattice->surface, &box, NULL, &part);
   add_part(lattice, cell, &box, &part, 0, hit.triangle, out);
   if (!surface_thin_near(lattice->surface, centre)) return;
   if (part.volume > LEAST_ECHO * lattice->spacing * lattice->spacing * lattice->spacing)

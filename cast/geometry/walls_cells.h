@@ -5,8 +5,8 @@
 #include "cast/geometry/surface_internal.h"
 
 typedef struct WallParticle {
-  double x[3], volume;                // m, m3
-  double foot[3], normal[3], depth;   // m
+  double x[3], volume;              // m, m3
+  double foot[3], normal[3], depth; // m
   int32_t patch, cell[3];
   bool echo;
 } WallParticle;

@@ -91,17 +91,27 @@ PAIR_INLINE double tait_pressure(double rho, double rho0, double c0, double gamm
   return rho0 * c0 * c0 / gamma * (power - 1.0);
 }
 
-/* How far a particle's density tells that it was torn from its melt: 0 up to 2 % of stretching, twice the weak
- * compressibility, 1 from 5 % on. A drop pulled out of a bulk loses density with its neighbours, and gets it back when it
- * joins one again. */
+/* A drop pulled out of a bulk loses density with its neighbours, and gets it back when it joins one again: a number
+ * that says "torn", not that the melt swells. TORN_FROM 2 % of stretching (twice the weak compressibility) it is partly
+ * torn, from TORN_WHOLLY 5 % on wholly: torn_fraction goes from 0 to 1. */
+#define TORN_FROM 0.98
+#define TORN_WHOLLY 0.95
+
 PAIR_INLINE double torn_fraction(double rho, double rho0)
 {
-  const double missing = (1.0 - rho / rho0 - 0.02) / 0.03;
+  const double missing = (TORN_FROM - rho / rho0) / (TORN_FROM - TORN_WHOLLY);
   return missing > 1.0 ? 1.0 : positive(missing);
 }
 
-/* Pressure that particles act with: Tait's, but a torn melt no longer pulls (else a drop of little density would pull at
- * all it meets, with p/rho^2); with cut_tension none ever does. */
+/* The density that a particle's volume, kg/m3, and all but its pressure and its continuity go by. */
+PAIR_INLINE double whole_density(double rho, double rho0)
+{
+  const double least = TORN_WHOLLY * rho0;
+  return rho > least ? rho : least;
+}
+
+/* Pressure that particles act with: Tait's, but a torn melt no longer pulls (else a drop of little density would pull
+ * at all it meets, with p/rho^2); with cut_tension none ever does. */
 PAIR_INLINE double melt_pressure(double rho, double rho0, double c0, double gamma, bool cut_tension)
 {
   const double p = tait_pressure(rho, rho0, c0, gamma), pull = cut_tension ? 0.0 : 1.0 - torn_fraction(rho, rho0);
@@ -117,9 +127,10 @@ PAIR_INLINE double tait_density(double p, double rho0, double c0, double gamma)
 
 /* What density diffusion evens out, kg/m3: integral dp/rho of Tait's equation less the potential of the body force g,
  * times rho0/c0^2, so that near rho0 it is rho - rho0 - rho0 g.x/c0^2. In a fluid at rest grad p = rho g makes it
- * uniform, exactly, so hydrostatic pressure is not diffused away: the aim of Fourtakas et al. 2019 (Comput. Fluids 190),
- * who subtract a hydrostatic density difference pair by pair; as a field of each particle it costs nothing in the pair
- * and holds for any gamma. (Antuono et al. 2010 get there by corrected gradients, a second pass over all pairs.) */
+ * uniform, exactly, so hydrostatic pressure is not diffused away: the aim of Fourtakas et al. 2019 (Comput. Fluids
+ * 190), who subtract a hydrostatic density difference pair by pair; as a field of each particle it costs nothing in the
+ * pair and holds for any gamma. (Antuono et al. 2010 get there by corrected gradients, a second pass over all pairs.)
+ */
 PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double gamma, double g_dot_x)
 {
   const double s = rho / rho0, s3 = s * s * s;
@@ -127,9 +138,9 @@ PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double g
   return rho0 * ((power - 1.0) / (gamma - 1.0) - g_dot_x / (c0 * c0));
 }
 
-/* A torn particle would have to be squeezed back to rho0 before its pressure keeps it out of a wall. Until then the wall
- * answers with the pressure rho0 c0 u of sudden impact ("water hammer"), u being the speed into the wall:
- * dv_i/dt = n impact_push, n = sum_j V_j F_ij d over the wall. */
+/* A torn particle would have to be squeezed back to rho0 before its pressure keeps it out of a wall. Until then the
+ * wall answers with the pressure rho0 c0 u of sudden impact ("water hammer"), u being the speed into the wall: dv_i/dt
+ * = n impact_push, n = sum_j V_j F_ij d over the wall. */
 PAIR_INLINE double impact_push(double torn, double c0, double speed_into_wall)
 {
   return torn * c0 * positive(speed_into_wall);
@@ -137,10 +148,12 @@ PAIR_INLINE double impact_push(double torn, double c0, double speed_into_wall)
 
 /* ---- two particles; d = x_i - x_j, u = v_i - v_j; F is kernel_slope ---- */
 
-/* Continuity with density diffusion, drho_i/dt = sum V_j (-rho_i u.d + 2 delta h c0 (eta_j - eta_i)) F    (eq. 13) */
-PAIR_INLINE double pair_continuity(double volume_j, double rho_i, double u_dot_d, double F)
+/* Continuity with density diffusion, drho_i/dt = sum V_j (-rho_i u.d + 2 delta h c0 (eta_j - eta_i)) F        (eq. 13)
+ * With volumes that do not grow beyond a torn melt's, the logarithm of the density changes by what the sum V_j W_ij
+ * changes: it cannot become negative, and what is torn apart and joins again has the density that it had. */
+PAIR_INLINE double pair_continuity(double rho_i, double volume_j, double u_dot_d, double F)
 {
-  return -volume_j * F * rho_i * u_dot_d;
+  return -rho_i * volume_j * F * u_dot_d;
 }
 
 PAIR_INLINE double pair_diffusion(double volume_j, double strength, double eta_i, double eta_j, double F)
@@ -154,6 +167,13 @@ PAIR_INLINE double pair_pressure(double mass_j, double P_i, double P_j, double a
   return mass_j * F * ((P_i + P_j) + artificial);
 }
 
+/* The same from a wall, which pushes and never pulls: melt does not wet the mould, and a drop that was stretched a
+ * little would be drawn into the wall by its own negative pressure. */
+PAIR_INLINE double pair_wall_pressure(double mass_j, double P_i, double P_wall, double F)
+{
+  return mass_j * F * positive(P_i + P_wall);
+}
+
 /* Artificial viscosity (Monaghan 1992): what is added to P_i + P_j where two particles approach, u.d < 0;
  * per_r2_plus = 1/(r^2 + 0.01 h^2),
  * strength = alpha c0 h/rho0 (the mean density replaced by rho0: within the 1 % of weak compressibility). */
@@ -163,7 +183,8 @@ PAIR_INLINE double pair_artificial(double strength, double u_dot_d, double per_r
 }
 
 /* Viscosity: dv_i/dt = -u pair_viscosity; 4 mu mu/(mu + mu) keeps the stress continuous where mu jumps   (eq. 15) */
-PAIR_INLINE double pair_viscosity(double volume_j, double per_rho_i, double mu_i, double mu_j, double per_mu_sum, double F)
+PAIR_INLINE double pair_viscosity(double volume_j, double per_rho_i, double mu_i, double mu_j, double per_mu_sum,
+                                  double F)
 {
   return volume_j * F * per_rho_i * (4.0 * (mu_i * mu_j) * per_mu_sum);
 }

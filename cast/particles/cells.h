@@ -17,9 +17,9 @@ typedef struct Cells {
   bool periodic[3];
   ptrdiff_t *start; // [cells + 1] first sorted point of each cell
   ptrdiff_t capacity_start;
-  ptrdiff_t n;      // points
-  int32_t *order;   // [n] sorted place -> point; equal cells keep the points' order
-  int32_t *cell;    // [n] cell of each point; scratch
+  ptrdiff_t n;    // points
+  int32_t *order; // [n] sorted place -> point; equal cells keep the points' order
+  int32_t *cell;  // [n] cell of each point; scratch
   ptrdiff_t capacity_points;
 } Cells;
 
@@ -30,7 +30,8 @@ CastStatus cells_sort(Cells *cells, ptrdiff_t n, double *const x[3], double reac
                       CastError *err);
 void cells_free(Cells *cells);
 
-/* Runs of sorted points in the cells around a place. `shift` is to be added to the points' positions (periodic images). */
+/* Runs of sorted points in the cells around a place. `shift` is to be added to the points' positions (periodic images).
+ */
 typedef struct CellRun {
   ptrdiff_t first, end;
   double shift[3];

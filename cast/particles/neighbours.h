@@ -22,7 +22,8 @@ typedef struct Neighbours Neighbours;
 double neighbours_skin(double spacing);
 /*  reach    m: the kernel's support radius;  skin  m: added to it, so lists last until something moved skin/2
  *  surface  borrowed; pairs that the mould separates are left out (NULL: no such test) */
-CastStatus neighbours_create(double reach, double skin, const Surface *surface, Neighbours **neighbours, CastError *err);
+CastStatus neighbours_create(double reach, double skin, const Surface *surface, Neighbours **neighbours,
+                             CastError *err);
 /* The same in a domain that repeats: period[d] m along axis d, 0: it does not. Fluid particles are brought back into
  * [0, period) when lists are rebuilt, walls must lie there. For channels; no surface.
  * Errors also: CAST_ERR_ARGUMENT for a period below 2.5 (reach + skin), where a pair would meet its own image. */

@@ -49,7 +49,7 @@ static bool allocate_double(ptrdiff_t count, double **field)
 
 static bool allocate_fields(Particles *p)
 {
-  double **const scalar[] = {&p->rho, &p->drho, &p->p,  &p->mass,      &p->volume,    &p->E,        &p->heat,
+  double **const scalar[] = {&p->rho, &p->drho,  &p->p,  &p->mass,      &p->volume,    &p->E,        &p->heat,
                              &p->T,   &p->kappa, &p->mu, &p->rho_start, &p->drho_last, &p->clearance};
   bool ok = true;
   for (size_t f = 0; f < sizeof scalar / sizeof *scalar; f++) ok = allocate_double(p->n, scalar[f]) && ok;
@@ -114,8 +114,8 @@ CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacin
 void particles_destroy(Particles *p)
 {
   if (!p) return;
-  double *const scalar[] = {p->rho, p->drho, p->p,  p->mass,      p->volume,    p->E,         p->heat,  p->T,
-                            p->kappa, p->mu, p->rho_start, p->drho_last, p->clearance, p->depth, p->record};
+  double *const scalar[] = {p->rho,   p->drho, p->p,         p->mass,      p->volume,    p->E,     p->heat,  p->T,
+                            p->kappa, p->mu,   p->rho_start, p->drho_last, p->clearance, p->depth, p->record};
   for (size_t f = 0; f < sizeof scalar / sizeof *scalar; f++) free(scalar[f]);
   for (int d = 0; d < 3; d++) {
     free(p->x[d]);

@@ -12,19 +12,19 @@
 
 typedef struct Particles {
   ptrdiff_t n, n_fluid, capacity_fluid;
-  double *x[3];    // [n] m
-  double *v[3];    // [n] m/s (wall: the velocity extrapolated for no slip)
-  double *a[3];    // [n] m/s2
-  double *rho;     // [n] kg/m3 (wall: from the extrapolated pressure)
-  double *drho;    // [n] kg/(m3 s)
-  double *p;       // [n] Pa
-  double *mass;    // [n] kg; one value for all fluid particles
-  double *volume;  // [n] m3: fluid mass/rho, refreshed with rho; wall constant
-  double *E;       // [n] J/kg enthalpy
-  double *heat;    // [n] W, rate of change of mass*E
-  double *T;       // [n] K (wall: of the mould there)
-  double *kappa;   // [n] W/(m K)
-  double *mu;      // [n] Pa s
+  double *x[3];   // [n] m
+  double *v[3];   // [n] m/s (wall: the velocity extrapolated for no slip)
+  double *a[3];   // [n] m/s2
+  double *rho;    // [n] kg/m3 (wall: from the extrapolated pressure)
+  double *drho;   // [n] kg/(m3 s)
+  double *p;      // [n] Pa
+  double *mass;   // [n] kg; one value for all fluid particles
+  double *volume; // [n] m3: fluid mass/rho (of torn melt at most mass/(0.95 rho0)), refreshed with rho; wall constant
+  double *E;      // [n] J/kg enthalpy
+  double *heat;   // [n] W, rate of change of mass*E
+  double *T;      // [n] K (wall: of the mould there)
+  double *kappa;  // [n] W/(m K)
+  double *mu;     // [n] Pa s
   double *rho_start; // [n] kg/m3 at the start of the step; drho is applied to it once it is known (sph.h)
   double *drho_last; // [n] kg/(m3 s), drho of the step before (NaN: there was none): predicts the density for forces
   double *clearance; // [n] m, at least this far from the mould's surface (may be too small; 0: not known)
@@ -33,8 +33,9 @@ typedef struct Particles {
   double *foot[3], *normal[3], *depth; // see walls.h
   double *wall_v[3];                   // m/s, the wall's own velocity (zero; tests move walls)
   int32_t *patch;
-  uint8_t *echo;  // see walls.h
-  double *record; // [n * RECORD_SIZE] what pair sums need of a particle, side by side; scratch of physics/, stale elsewhere
+  uint8_t *echo; // see walls.h
+  double *
+      record; // [n * RECORD_SIZE] what pair sums need of a particle, side by side; scratch of physics/, stale elsewhere
 } Particles;
 
 enum { RECORD_SIZE = 12 };
@@ -49,8 +50,9 @@ typedef struct ParticleField {
 } ParticleField;
 void particles_fields(const Particles *particles, ParticleField field[PARTICLE_FIELDS]);
 
-/* Fluid at rest at the n_fluid points given, followed by the walls (NULL: none). Fields other than x, mass, volume, rho,
- * id and the wall's own are zero. mass = rho0 spacing^3; walls have mass = rho0 volume. Errors: CAST_ERR_MEMORY. */
+/* Fluid at rest at the n_fluid points given, followed by the walls (NULL: none). Fields other than x, mass, volume,
+ * rho, id and the wall's own are zero. mass = rho0 spacing^3; walls have mass = rho0 volume. Errors: CAST_ERR_MEMORY.
+ */
 CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacing, double rho0, const WallSet *walls,
                             Particles *particles, CastError *err);
 void particles_destroy(Particles *particles);

@@ -26,8 +26,8 @@ PAIR_INLINE void block_put_two(Block *block, ptrdiff_t k, const double *a, const
   }
 }
 
-/* Fill the block with the records of n <= BLOCK_PAIRS neighbours. Up to BLOCK_LANES - 1 places behind them are filled with
- * `filler`, a record whose pair terms are zero, so that the loop runs over whole vectors; returns n rounded up. */
+/* Fill the block with the records of n <= BLOCK_PAIRS neighbours. Up to BLOCK_LANES - 1 places behind them are filled
+ * with `filler`, a record whose pair terms are zero, so that the loop runs over whole vectors; returns n rounded up. */
 PAIR_INLINE ptrdiff_t block_fill(Block *block, const double *record, const int32_t *index, ptrdiff_t n,
                                  const double *filler)
 {

@@ -12,7 +12,7 @@ void sph_initialise(const SphParameters *sph, Particles *p)
 #pragma omp parallel for
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
     p->p[i] = melt_pressure(p->rho[i], sph->rho0, sph->c0, sph->gamma, sph->cut_tension);
-    p->volume[i] = p->mass[i] / p->rho[i];
+    p->volume[i] = p->mass[i] / whole_density(p->rho[i], sph->rho0);
     p->rho_start[i] = p->rho[i];
     p->drho_last[i] = (double)NAN;
   }
@@ -68,8 +68,8 @@ static Extremes find_extremes(const Particles *p)
 
 /* Limits for a length l of half the kernel's support (h of a Wendland kernel):
  *   sound 0.3 l/(c0 + v), force 0.25 sqrt(l/a), viscosity 0.1 l^2/nu, conduction 0.1 rho c l^2/kappa.
- * Diffusion in explicit steps is stable up to 0.22 l^2/nu: sum V F = 3.5/l^2 for Wendland's kernel, the largest eigenvalue
- * of the Laplacian about 9/l^2. */
+ * Diffusion in explicit steps is stable up to 0.22 l^2/nu: sum V F = 3.5/l^2 for Wendland's kernel, the largest
+ * eigenvalue of the Laplacian about 9/l^2. */
 SphLimits sph_time_step(const SphParameters *sph, const Particles *p)
 {
   const double l = 0.5 * kernel_support(sph->kernel) * sph->h, never = (double)INFINITY;

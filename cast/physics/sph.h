@@ -7,11 +7,12 @@
  *   coupling_exchange, rom_state_step
  *   sph_finish         v += a dt/2, rho += drho dt, E += heat dt/mass, T = T(E), kappa(T), mu(T)
  *
- * Density and velocity. One pass over pairs must give both drho, which needs the new velocity, and a, which needs the new
- * density. Forces are taken at a predicted density rho + dt (2 drho - drho_last), and the density then goes on from where
- * it was with the drho just found, at the new place with the half-step velocity: symplectic Euler for the density itself.
- * A sound wave of frequency w is then damped by (w dt)^4/2 a step and never grows for w dt < 0.7 (the sound limit of
- * sph_time_step keeps it below about 0.4); with the plain prediction rho + dt drho it would grow at that rate. */
+ * Density and velocity. One pass over pairs must give both drho, which needs the new velocity, and a, which needs the
+ * new density. Forces are taken at a predicted density rho + dt (2 drho - drho_last), and the density then goes on from
+ * where it was with the drho just found, at the new place with the half-step velocity: symplectic Euler for the density
+ * itself. A sound wave of frequency w is then damped by (w dt)^4/2 a step and never grows for w dt < 0.7 (the sound
+ * limit of sph_time_step keeps it below about 0.4); with the plain prediction rho + dt drho it would grow at that rate.
+ */
 #ifndef CAST_PHYSICS_SPH_H
 #define CAST_PHYSICS_SPH_H
 
@@ -26,21 +27,21 @@ typedef enum SphDensity { SPH_CONTINUITY, SPH_SUMMATION } SphDensity;
 
 typedef struct SphParameters {
   KernelKind kernel;
-  double h;            // m smoothing length (support radius = kernel_support(kernel) h)
-  double spacing;      // m
-  double rho0;         // kg/m3
-  double c0;           // m/s numerical sound speed
-  double gamma;        // exponent of Tait's equation, 7
+  double h;       // m smoothing length (support radius = kernel_support(kernel) h)
+  double spacing; // m
+  double rho0;    // kg/m3
+  double c0;      // m/s numerical sound speed
+  double gamma;   // exponent of Tait's equation, 7
   SphDensity density;
-  double delta;        // density diffusion (delta-SPH), 0.1; 0: none
-  double alpha;        // artificial viscosity, 0: none
-  bool cut_tension;    // no pressure below zero (else until the melt is torn, from 2 to 5 % of stretching)
+  double delta;                // density diffusion (delta-SPH), 0.1; 0: none
+  double alpha;                // artificial viscosity, 0: none
+  bool cut_tension;            // no pressure below zero (else until the melt is torn, from 2 to 5 % of stretching)
   double gravity[3], extra[3]; // m/s2, constant
-  const Material *melt; // borrowed: T(E), kappa(T), mu(T); NULL: T, kappa, mu stay as they are set
-  bool frozen_flow;    // particles stay where they are (heat only: H1, H2, H4)
+  const Material *melt;        // borrowed: T(E), kappa(T), mu(T); NULL: T, kappa, mu stay as they are set
+  bool frozen_flow;            // particles stay where they are (heat only: H1, H2, H4)
 } SphParameters;
 
-typedef struct SphLimits { // the time step and what sets it
+typedef struct SphLimits {                    // the time step and what sets it
   double sound, force, viscosity, conduction; // s each, safety factors included; INFINITY where there is none
   double step;                                // the least
   const char *which;                          // "sound", "force", "viscosity" or "conduction"

@@ -2,6 +2,7 @@
  * What stops a run (a number that is not finite, a particle faster than sound) is looked for here, once a step. */
 #include <math.h>
 
+#include "cast/kernel/pair.h"
 #include "cast/physics/properties.h"
 #include "cast/physics/sph.h"
 
@@ -41,7 +42,8 @@ static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t end)
 /* A fluid particle deeper in the mould than this, in spacings, is set back. Less is left to the wall's pressure. */
 static const double guard_depth = 0.1;
 
-/* Look where particle i stands once it has moved as far as it was known to be clear; returns whether it was set back. */
+/* Look where particle i stands once it has moved as far as it was known to be clear; returns whether it was set back.
+ */
 static bool guard_particle(const Surface *surface, double depth, Particles *p, ptrdiff_t i)
 {
   const double reach = surface_reach(surface), x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
@@ -101,8 +103,8 @@ CastStatus sph_drift(const SphParameters *sph, Particles *p, const Surface *surf
   if (guarded) *guarded = set_back;
   const ptrdiff_t bad = first_not_finite(p);
   CAST_CHECK(bad == p->n_fluid, err, CAST_ERR_NUMERIC,
-             "particle %d: its place (%g, %g, %g) m or velocity (%g, %g, %g) m/s is not finite", p->id[bad], p->x[0][bad],
-             p->x[1][bad], p->x[2][bad], p->v[0][bad], p->v[1][bad], p->v[2][bad]);
+             "particle %d: its place (%g, %g, %g) m or velocity (%g, %g, %g) m/s is not finite", p->id[bad],
+             p->x[0][bad], p->x[1][bad], p->x[2][bad], p->v[0][bad], p->v[1][bad], p->v[2][bad]);
   return CAST_OK;
 }
 
@@ -116,7 +118,7 @@ static void finish_rows(const SphParameters *sph, Particles *p, double dt, ptrdi
     if (flow)
       for (int axis = 0; axis < 3; axis++) p->v[axis][i] += p->a[axis][i] * 0.5 * dt;
     p->rho[i] = continuity ? p->rho_start[i] + p->drho[i] * dt : p->rho[i];
-    p->volume[i] = p->mass[i] / p->rho[i];
+    p->volume[i] = p->mass[i] / whole_density(p->rho[i], sph->rho0);
     p->E[i] += p->heat[i] * dt / p->mass[i];
   }
   properties_of_rows(sph->melt, p, first, end);

@@ -44,10 +44,10 @@ SIMD_CLONES static void pack_rows(const Sweep *s, ptrdiff_t first, ptrdiff_t end
   const bool cut = sph->cut_tension;
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
-    const double rho = p->rho[i];
+    const double whole = whole_density(p->rho[i], rho0);
     const double g_dot_x = g[0] * p->x[0][i] + g[1] * p->x[1][i] + g[2] * p->x[2][i];
-    p->p[i] = melt_pressure(rho, rho0, c0, gamma, cut);
-    p->volume[i] = p->mass[i] / rho;
+    p->p[i] = melt_pressure(p->rho[i], rho0, c0, gamma, cut);
+    p->volume[i] = p->mass[i] / whole;
     double *record = p->record + i * RECORD_SIZE;
     record[REC_X] = p->x[0][i];
     record[REC_Y] = p->x[1][i];
@@ -56,8 +56,8 @@ SIMD_CLONES static void pack_rows(const Sweep *s, ptrdiff_t first, ptrdiff_t end
     record[REC_VX] = p->v[0][i];
     record[REC_VY] = p->v[1][i];
     record[REC_VZ] = p->v[2][i];
-    record[REC_P] = p->p[i] / (rho * rho);
-    record[REC_ETA] = diffused_density(rho, rho0, c0, gamma, g_dot_x);
+    record[REC_P] = p->p[i] / (whole * whole);
+    record[REC_ETA] = diffused_density(whole, rho0, c0, gamma, g_dot_x);
     record[REC_MU] = p->mu[i];
     record[REC_KAPPA] = p->kappa[i];
     record[REC_T] = p->T[i];
@@ -83,12 +83,17 @@ typedef struct Rates {
   double away[3]; // 1/m, sum over walls of V_j F_ij d: points out of the wall
 } Rates;
 
-/* Add to `sum` what the n fluid neighbours in the block do to the particle of record `me`. */
-PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, SweepTasks tasks, bool periodic, const double *me,
+typedef struct Self {
+  const double *record;
+  double rho; // kg/m3, as it is; the record's volume goes by the whole_density
+} Self;
+
+/* Add to `sum` what the n fluid neighbours in the block do to the particle itself. */
+PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, SweepTasks tasks, bool periodic, const Self *self,
                              const Block *b, ptrdiff_t n, Rates *sum)
 {
   const SweepScales *c = &s->scale;
-  const double mass = s->p->mass[0], rho_i = mass / me[REC_VOLUME], per_rho_i = me[REC_VOLUME] / mass;
+  const double *me = self->record, rho_i = self->rho, mass = s->p->mass[0], per_rho_i = me[REC_VOLUME] / mass;
   double drho = 0.0, ax = 0.0, ay = 0.0, az = 0.0, heat = 0.0;
 #pragma omp simd reduction(+ : drho, ax, ay, az, heat)
   for (ptrdiff_t k = 0; k < n; k++) {
@@ -112,9 +117,8 @@ PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, SweepTasks tasks
       const double u_dot_d = ux * dx + uy * dy + uz * dz;
       const double artificial = pair_artificial(c->artificial, u_dot_d, per_all * (mu_sum * kappa_sum));
       const double push = pair_pressure(mass, me[REC_P], b->field[REC_P][k], artificial, F);
-      const double drag =
-          pair_viscosity(volume_j, per_rho_i, me[REC_MU], mu_j, per_all * (kappa_sum * r2_plus), F);
-      drho += pair_continuity(volume_j, rho_i, u_dot_d, F) +
+      const double drag = pair_viscosity(volume_j, per_rho_i, me[REC_MU], mu_j, per_all * (kappa_sum * r2_plus), F);
+      drho += pair_continuity(rho_i, volume_j, u_dot_d, F) +
               pair_diffusion(volume_j, c->diffusion, me[REC_ETA], b->field[REC_ETA][k], F);
       ax += push * dx - drag * ux;
       ay += push * dy - drag * uy;
@@ -132,15 +136,13 @@ PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, SweepTasks tasks
 }
 
 /* The same for walls: no diffusion into them, no artificial viscosity along them; the density feels the wall's own
- * velocity, the viscous stress the extrapolated one (Adami, Hu & Adams 2012).
- * Walls push, they never pull: melt does not wet the mould, and a drop that was stretched a little would be drawn into the
- * wall by its own negative pressure. */
-PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, bool periodic, const double *me, const Block *b,
+ * velocity, the viscous stress the extrapolated one (Adami, Hu & Adams 2012). */
+PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, bool periodic, const Self *self, const Block *b,
                             ptrdiff_t n, Rates *sum)
 {
   const SweepScales *c = &s->scale;
-  const double mass = s->p->mass[0], rho_i = mass / me[REC_VOLUME], per_rho_i = me[REC_VOLUME] / mass;
-  const double mu = me[REC_MU], per_mu_sum = 1.0 / (2.0 * mu + TINY_SUM), P_i = positive(me[REC_P]);
+  const double *me = self->record, rho_i = self->rho, per_rho_i = me[REC_VOLUME] / s->p->mass[0];
+  const double mu = me[REC_MU], per_mu_sum = 1.0 / (2.0 * mu + TINY_SUM);
   double drho = 0.0, ax = 0.0, ay = 0.0, az = 0.0, sx = 0.0, sy = 0.0, sz = 0.0;
 #pragma omp simd reduction(+ : drho, ax, ay, az, sx, sy, sz)
   for (ptrdiff_t k = 0; k < n; k++) {
@@ -155,9 +157,9 @@ PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, bool periodic, co
     const double volume_j = b->field[REC_VOLUME][k];
     const double u_dot_d = (me[REC_VX] - b->field[REC_WALL_VX][k]) * dx + (me[REC_VY] - b->field[REC_WALL_VY][k]) * dy +
                            (me[REC_VZ] - b->field[REC_WALL_VZ][k]) * dz;
-    const double push = pair_pressure(b->field[REC_WALL_MASS][k], P_i, b->field[REC_P][k], 0.0, F);
+    const double push = pair_wall_pressure(b->field[REC_WALL_MASS][k], me[REC_P], b->field[REC_P][k], F);
     const double drag = pair_viscosity(volume_j, per_rho_i, mu, mu, per_mu_sum, F);
-    drho += pair_continuity(volume_j, rho_i, u_dot_d, F);
+    drho += pair_continuity(rho_i, volume_j, u_dot_d, F);
     ax += push * dx - drag * (me[REC_VX] - b->field[REC_VX][k]);
     ay += push * dy - drag * (me[REC_VY] - b->field[REC_VY][k]);
     az += push * dz - drag * (me[REC_VZ] - b->field[REC_VZ][k]);
@@ -175,9 +177,9 @@ PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, bool periodic, co
 }
 
 /* A torn particle that flies into a wall (at rest) is stopped. */
-PAIR_INLINE void stop_torn(const Sweep *s, const double *me, Rates *sum)
+PAIR_INLINE void stop_torn(const Sweep *s, const Self *self, Rates *sum)
 {
-  const double torn = torn_fraction(s->p->mass[0] / me[REC_VOLUME], s->sph->rho0), *away = sum->away;
+  const double torn = torn_fraction(self->rho, s->sph->rho0), *me = self->record, *away = sum->away;
   const double size2 = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
   if (torn <= 0.0 || size2 <= 0.0) return;
   const double along = me[REC_VX] * away[0] + me[REC_VY] * away[1] + me[REC_VZ] * away[2];
@@ -185,7 +187,8 @@ PAIR_INLINE void stop_torn(const Sweep *s, const double *me, Rates *sum)
   for (int d = 0; d < 3; d++) sum->a[d] += push * away[d];
 }
 
-/* A neighbour of nothing: its pair terms are zero because it coincides with `me`, and for walls has no mass or volume. */
+/* A neighbour of nothing: its pair terms are zero because it coincides with `me`, and for walls has no mass or volume.
+ */
 PAIR_INLINE void wall_filler(const double *me, double filler[RECORD_SIZE])
 {
   for (int f = 0; f < RECORD_SIZE; f++) filler[f] = f <= REC_Z ? me[f] : 0.0;
@@ -199,11 +202,12 @@ PAIR_INLINE void sweep_rows(const Sweep *s, KernelKind kernel, SweepTasks tasks,
   Block block;
   for (ptrdiff_t i = first; i < end; i++) {
     const double *me = p->record + i * RECORD_SIZE;
+    const Self self = {me, p->rho[i]};
     Rates sum = {0};
     for (ptrdiff_t k = fluid->start[i]; k < fluid->start[i + 1]; k += BLOCK_PAIRS) {
       const ptrdiff_t left = fluid->start[i + 1] - k;
       const ptrdiff_t n = block_fill(&block, p->record, fluid->index + k, left < BLOCK_PAIRS ? left : BLOCK_PAIRS, me);
-      fluid_pairs(s, kernel, tasks, periodic, me, &block, n, &sum);
+      fluid_pairs(s, kernel, tasks, periodic, &self, &block, n, &sum);
     }
     if (tasks.heat) p->heat[i] = sum.heat;
     if (!tasks.flow) continue;
@@ -213,9 +217,9 @@ PAIR_INLINE void sweep_rows(const Sweep *s, KernelKind kernel, SweepTasks tasks,
       const ptrdiff_t left = wall->start[i + 1] - k;
       const ptrdiff_t n =
           block_fill(&block, p->record, wall->index + k, left < BLOCK_PAIRS ? left : BLOCK_PAIRS, filler);
-      wall_pairs(s, kernel, periodic, me, &block, n, &sum);
+      wall_pairs(s, kernel, periodic, &self, &block, n, &sum);
     }
-    stop_torn(s, me, &sum);
+    stop_torn(s, &self, &sum);
     p->drho[i] = s->sph->density == SPH_CONTINUITY ? sum.drho : 0.0;
     for (int d = 0; d < 3; d++) p->a[d][i] = sum.a[d] + s->scale.body[d];
   }

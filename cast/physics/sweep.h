@@ -26,13 +26,13 @@ enum {
 };
 
 typedef struct SweepScales {
-  double slope, value;     // norm/h^5 and norm/h^3
-  double per_h;            // 1/m
-  double diffusion;        // 2 delta h c0, m2/s
-  double artificial;       // alpha c0 h/rho0
-  double soften;           // 0.01 h^2, m2: keeps the artificial viscosity finite
-  double body[3];          // m/s2, gravity + extra
-  double held[3];          // m/s2, the part of it that pressure can balance: none along an axis that repeats
+  double slope, value; // norm/h^5 and norm/h^3
+  double per_h;        // 1/m
+  double diffusion;    // 2 delta h c0, m2/s
+  double artificial;   // alpha c0 h/rho0
+  double soften;       // 0.01 h^2, m2: keeps the artificial viscosity finite
+  double body[3];      // m/s2, gravity + extra
+  double held[3];      // m/s2, the part of it that pressure can balance: none along an axis that repeats
   double period[3], per_period[3];
 } SweepScales;
 

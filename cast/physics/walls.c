@@ -41,14 +41,15 @@ PAIR_INLINE void extrapolate(const Sweep *s, KernelKind kernel, bool periodic, c
   sum->v[2] += vz;
 }
 
-/* p, v, rho and record of wall k from its sums; a wall that nothing is within reach of has neither pressure nor pull. */
+/* p, v, rho and record of wall k from its sums; a wall that nothing is within reach of has neither pressure nor pull.
+ */
 PAIR_INLINE void set_wall(const Sweep *s, ptrdiff_t k, const WallSums *sum)
 {
   Particles *p = s->p;
   const SphParameters *sph = s->sph;
   const ptrdiff_t i = p->n_fluid + k;
   const double per_weight = sum->weight > 0.0 ? 1.0 / sum->weight : 0.0;
-  p->p[i] = positive(sum->p * per_weight); // walls push, they never pull
+  p->p[i] = sum->p * per_weight;
   p->rho[i] = tait_density(p->p[i], sph->rho0, sph->c0, sph->gamma);
   double *record = p->record + i * RECORD_SIZE;
   for (int d = 0; d < 3; d++) {

@@ -1,8 +1,8 @@
-/* The common SPH workload DB51: a column of 51,200 melt particles breaks in an open box of 33,420 wall particles; spacing
- * 0.01 m, kernel support 0.026 m, c0 = 25 m/s, dt = 1e-4 s. Every part of a step that castrun takes without a mould:
- * continuity with density diffusion, pressure, viscosity, artificial viscosity, heat, extrapolated walls, enthalpy to
- * temperature, time-step limits, lists rebuilt as needed. Prints processor time a fluid particle and step, by part.
- *   db51 [steps [skin/spacing]]      OMP_NUM_THREADS=1 for the time of one thread */
+/* The common SPH workload DB51: a column of 51,200 melt particles breaks in an open box of 33,420 wall particles;
+ * spacing 0.01 m, kernel support 0.026 m, c0 = 25 m/s, dt = 1e-4 s. Every part of a step that castrun takes without a
+ * mould: continuity with density diffusion, pressure, viscosity, artificial viscosity, heat, extrapolated walls,
+ * enthalpy to temperature, time-step limits, lists rebuilt as needed. Prints processor time a fluid particle and step,
+ * by part. db51 [steps [skin/spacing]]      OMP_NUM_THREADS=1 for the time of one thread */
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -96,10 +96,21 @@ int main(int argc, char **argv)
   const double dx = 0.01;
   Material melt;
   make_melt(&melt);
-  LatticeTank tank = {.fluid = {40, 40, 32}, .box = {64, 40, 36}, .layers = 3, .low = {true, true, true},
+  LatticeTank tank = {.fluid = {40, 40, 32},
+                      .box = {64, 40, 36},
+                      .layers = 3,
+                      .low = {true, true, true},
                       .high = {true, true, false},
-                      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 0.013, .spacing = dx, .rho0 = 1000.0, .c0 = 25.0,
-                              .gamma = 7.0, .delta = 0.1, .alpha = 0.1, .gravity = {0.0, 0.0, -9.81}, .melt = &melt}};
+                      .sph = {.kernel = KERNEL_WENDLAND_C2,
+                              .h = 0.013,
+                              .spacing = dx,
+                              .rho0 = 1000.0,
+                              .c0 = 25.0,
+                              .gamma = 7.0,
+                              .delta = 0.1,
+                              .alpha = 0.1,
+                              .gravity = {0.0, 0.0, -9.81},
+                              .melt = &melt}};
   lattice_tank_create(&tank);
   if (argc > 2) {
     CastError err = {0};

@@ -213,7 +213,8 @@ static void a_melt_turning_as_one_keeps_its_density(void **unused)
   destroy(&cloud);
 }
 
-/* sph_forces and sph_conduction take the plain path that decides as it goes, sph_rates the one compiled for this machine. */
+/* sph_forces and sph_conduction take the plain path that decides as it goes, sph_rates the one compiled for this
+ * machine. */
 static void fast_and_plain_path_agree(void **unused)
 {
   (void)unused;
@@ -250,12 +251,9 @@ static void fast_and_plain_path_agree(void **unused)
 int main(void)
 {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pair_forces_conserve_momentum),
-      cmocka_unit_test(pair_heat_sums_to_zero),
-      cmocka_unit_test(density_diffusion_conserves_mass),
-      cmocka_unit_test(a_lone_pair_feels_the_formulas),
-      cmocka_unit_test(a_melt_moving_as_one_feels_no_force),
-      cmocka_unit_test(a_melt_turning_as_one_keeps_its_density),
+      cmocka_unit_test(pair_forces_conserve_momentum),       cmocka_unit_test(pair_heat_sums_to_zero),
+      cmocka_unit_test(density_diffusion_conserves_mass),    cmocka_unit_test(a_lone_pair_feels_the_formulas),
+      cmocka_unit_test(a_melt_moving_as_one_feels_no_force), cmocka_unit_test(a_melt_turning_as_one_keeps_its_density),
       cmocka_unit_test(fast_and_plain_path_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,9 +18,17 @@ static void a_block_of_melt_at_rest_in_free_space_stays(void **unused)
 {
   (void)unused;
   const double dx = 1e-3;
-  LatticeTank tank = {.fluid = {8, 8, 8}, .box = {8, 8, 8}, .low = {true, true, true}, // no layers: no wall at all
-                      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.3 * dx, .spacing = dx, .rho0 = 6900.0, .c0 = 20.0,
-                              .gamma = 7.0, .delta = 0.1, .alpha = 0.05}};
+  LatticeTank tank = {.fluid = {8, 8, 8},
+                      .box = {8, 8, 8},
+                      .low = {true, true, true}, // no layers: no wall at all
+                      .sph = {.kernel = KERNEL_WENDLAND_C2,
+                              .h = 1.3 * dx,
+                              .spacing = dx,
+                              .rho0 = 6900.0,
+                              .c0 = 20.0,
+                              .gamma = 7.0,
+                              .delta = 0.1,
+                              .alpha = 0.05}};
   lattice_tank_create(&tank);
   for (int step = 0; step < 200; step++) lattice_tank_step(&tank, 0.0);
   const Particles *p = &tank.particles;
@@ -46,13 +54,15 @@ static double mechanical_energy(const LatticeTank *tank)
   return sum;
 }
 
-/* A long box that repeats, with a standing sound wave along x and a shear flow, nothing that damps. Returns the change of
- * its mechanical energy over 4 periods of the wave, relative, and the highest rise on the way. */
+/* A long box that repeats, with a standing sound wave along x and a shear flow, nothing that damps. Returns the change
+ * of its mechanical energy over 4 periods of the wave, relative, and the highest rise on the way. */
 static double undamped_change(double courant, double wave, double shear, double *rise)
 {
   const double dx = 1e-3, length = 32.0 * dx, c0 = 20.0, k = 2.0 * pair_pi / length;
-  LatticeTank tank = {.fluid = {32, 8, 8}, .box = {32, 8, 8},
-                      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.3 * dx, .spacing = dx, .rho0 = 6900.0, .c0 = c0, .gamma = 7.0}};
+  LatticeTank tank = {
+      .fluid = {32, 8, 8},
+      .box = {32, 8, 8},
+      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.3 * dx, .spacing = dx, .rho0 = 6900.0, .c0 = c0, .gamma = 7.0}};
   lattice_tank_create(&tank);
   Particles *p = &tank.particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
@@ -81,7 +91,8 @@ static void a_sound_wave_loses_what_the_step_is_known_to_take(void **unused)
     double rise;
     const double change = undamped_change(courant, 0.02, 0.0, &rise);
     print_message("sound wave at %g: energy %.2e, %.2e expected, rise %.1e\n", courant, change, expected, rise);
-    // the lattice's own error and the fourth decimal of the theory; energy itself is known to (w dt)^2/8 within a period
+    // the lattice's own error and the fourth decimal of the theory; energy itself is known to (w dt)^2/8 within a
+    // period
     assert_close(change, expected, 0.3 * fabs(expected) + s * s / 8.0);
     assert_true(rise < s * s / 4.0);
   }
@@ -109,10 +120,21 @@ static LatticeTank splash(int threads)
   assert_int_equal(table_create(2, T, E, &melt.enthalpy, &err), CAST_OK);
   assert_int_equal(table_create(2, at, kappa, &melt.conductivity_of_t, &err), CAST_OK);
   assert_int_equal(table_create(2, at, mu, &melt.viscosity_of_t, &err), CAST_OK);
-  LatticeTank tank = {.fluid = {12, 10, 14}, .box = {18, 14, 16}, .layers = 3, .low = {true, true, true},
+  LatticeTank tank = {.fluid = {12, 10, 14},
+                      .box = {18, 14, 16},
+                      .layers = 3,
+                      .low = {true, true, true},
                       .high = {true, true, false},
-                      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.3 * dx, .spacing = dx, .rho0 = 6900.0, .c0 = 15.0,
-                              .gamma = 7.0, .delta = 0.1, .alpha = 0.02, .gravity = {0.0, 0.0, -9.81}, .melt = &melt}};
+                      .sph = {.kernel = KERNEL_WENDLAND_C2,
+                              .h = 1.3 * dx,
+                              .spacing = dx,
+                              .rho0 = 6900.0,
+                              .c0 = 15.0,
+                              .gamma = 7.0,
+                              .delta = 0.1,
+                              .alpha = 0.02,
+                              .gravity = {0.0, 0.0, -9.81},
+                              .melt = &melt}};
   lattice_tank_create(&tank);
   Particles *p = &tank.particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {

@@ -28,8 +28,9 @@ static void make_walls(const LatticeTank *tank, WallSet *walls)
 {
   size_t most = 1;
   for (int d = 0; d < 3; d++) most *= (size_t)(tank->box[d] + 2 * tank->layers);
-  double **arrays[] = {&walls->x[0], &walls->x[1], &walls->x[2], &walls->foot[0], &walls->foot[1], &walls->foot[2],
-                       &walls->normal[0], &walls->normal[1], &walls->normal[2], &walls->volume, &walls->depth};
+  double **arrays[] = {&walls->x[0],      &walls->x[1],    &walls->x[2],      &walls->foot[0],
+                       &walls->foot[1],   &walls->foot[2], &walls->normal[0], &walls->normal[1],
+                       &walls->normal[2], &walls->volume,  &walls->depth};
   for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++) *arrays[a] = calloc(most, sizeof **arrays[a]);
   walls->patch = calloc(most, sizeof *walls->patch);
   walls->echo = calloc(most, sizeof *walls->echo);
@@ -66,7 +67,8 @@ void lattice_tank_create(LatticeTank *tank)
   }
   make_walls(tank, &walls);
   const double reach = kernel_support(tank->sph.kernel) * tank->sph.h;
-  if (particles_create(n, x, dx, tank->sph.rho0, &walls, &tank->particles, &err) != CAST_OK) fail_msg("%s", err.message);
+  if (particles_create(n, x, dx, tank->sph.rho0, &walls, &tank->particles, &err) != CAST_OK)
+    fail_msg("%s", err.message);
   walls_destroy(&walls);
   for (int d = 0; d < 3; d++) free(x[d]);
   const CastStatus status = neighbours_create_periodic(reach, neighbours_skin(dx), period, &tank->neighbours, &err);
@@ -95,8 +97,7 @@ double lattice_tank_step(LatticeTank *tank, double dt)
   if (tank->steps == 0) start(tank);
   if (dt <= 0.0) dt = sph_time_step(&tank->sph, &tank->particles).step;
   if (sph_drift(&tank->sph, &tank->particles, NULL, dt, NULL, &err) != CAST_OK) fail_msg("%s", err.message);
-  if (neighbours_update(tank->neighbours, &tank->particles, false, NULL, &err) != CAST_OK)
-    fail_msg("%s", err.message);
+  if (neighbours_update(tank->neighbours, &tank->particles, false, NULL, &err) != CAST_OK) fail_msg("%s", err.message);
   sph_rates(&tank->sph, &tank->particles, tank->neighbours);
   if (sph_finish(&tank->sph, &tank->particles, dt, &err) != CAST_OK) fail_msg("%s", err.message);
   tank->time += dt;

@@ -1,19 +1,19 @@
-/* lattice_tank.h - melt on a lattice in a box whose walls are layers of lattice particles: SPH alone, no mould geometry.
- * Cells are counted from the inner corner of the box at the origin; fluid sits at (i + 1/2) spacing. */
+/* lattice_tank.h - melt on a lattice in a box whose walls are layers of lattice particles: SPH alone, no mould
+ * geometry. Cells are counted from the inner corner of the box at the origin; fluid sits at (i + 1/2) spacing. */
 #ifndef TESTS_SUPPORT_LATTICE_TANK_H
 #define TESTS_SUPPORT_LATTICE_TANK_H
 
 #include "cast/physics/sph.h"
 
 typedef struct LatticeTank {
-  int fluid[3];       // particles along each axis, from the corner
-  int box[3];         // cells of the box
+  int fluid[3];         // particles along each axis, from the corner
+  int box[3];           // cells of the box
   bool low[3], high[3]; // is there a wall at that end of the axis? (an axis without walls is periodic)
-  int layers;         // of wall particles
+  int layers;           // of wall particles
   SphParameters sph;
   Particles particles;
   Neighbours *neighbours;
-  double time;        // s
+  double time; // s
   long steps;
 } LatticeTank;
 

@@ -1,6 +1,6 @@
-/* shaped_mould.h - closed surfaces for tests of the geometry: a block out of which boxes are cut and into which boxes are
- * put back, bent by a map if wished. Only the geometry of the ROM is filled, with two patches: "cavity" (0), the faces
- * of the block's cells that look at a void within the block, and "outer" (1), the block's own faces. */
+/* shaped_mould.h - closed surfaces for tests of the geometry: a block out of which boxes are cut and into which boxes
+ * are put back, bent by a map if wished. Only the geometry of the ROM is filled, with two patches: "cavity" (0), the
+ * faces of the block's cells that look at a void within the block, and "outer" (1), the block's own faces. */
 #ifndef TESTS_SUPPORT_SHAPED_MOULD_H
 #define TESTS_SUPPORT_SHAPED_MOULD_H
 
@@ -14,8 +14,8 @@ typedef struct ShapedBox {
 typedef struct ShapedMould {
   double low[3], high[3]; // m, the block
   int n_boxes;
-  const ShapedBox *box; // one after the other
-  double cell;          // m, largest edge of the grid along an axis
+  const ShapedBox *box;                           // one after the other
+  double cell;                                    // m, largest edge of the grid along an axis
   void (*bend)(const void *context, double x[3]); // moves each point; must keep the orientation. NULL: none
   const void *context;
 } ShapedMould;

@@ -216,8 +216,10 @@ static void lists_are_the_same_on_any_number_of_threads(void **unused)
     p[t] = cloud(9, true);
     ok(neighbours_create(reach, skin, NULL, &nb[t], &err), &err);
     ok(neighbours_update(nb[t], &p[t], false, NULL, &err), &err);
-    const PairList *first[3] = {neighbours_fluid_fluid(nb[0]), neighbours_fluid_wall(nb[0]), neighbours_wall_fluid(nb[0])};
-    const PairList *list[3] = {neighbours_fluid_fluid(nb[t]), neighbours_fluid_wall(nb[t]), neighbours_wall_fluid(nb[t])};
+    const PairList *first[3] = {neighbours_fluid_fluid(nb[0]), neighbours_fluid_wall(nb[0]),
+                                neighbours_wall_fluid(nb[0])};
+    const PairList *list[3] = {neighbours_fluid_fluid(nb[t]), neighbours_fluid_wall(nb[t]),
+                               neighbours_wall_fluid(nb[t])};
     for (int l = 0; l < 3; l++) {
       assert_memory_equal(list[l]->start, first[l]->start, (size_t)(first[l]->n + 1) * sizeof *first[l]->start);
       assert_memory_equal(list[l]->index, first[l]->index, (size_t)first[l]->start[first[l]->n] * sizeof(int32_t));
@@ -230,14 +232,16 @@ static void lists_are_the_same_on_any_number_of_threads(void **unused)
   }
 }
 
-/* Two basins side by side with a mould wall of 0.05 between them, thinner than the reach: melt in one must not feel melt
- * in the other, though it does over the rim, above the wall. */
+/* Two basins side by side with a mould wall of 0.05 between them, thinner than the reach: melt in one must not feel
+ * melt in the other, though it does over the rim, above the wall. */
 static void a_thin_mould_wall_keeps_two_basins_apart(void **unused)
 {
   (void)unused;
   CastError err;
-  const ShapedBox basins[2] = {{{-0.525, -0.5, -0.5}, {-0.025, 0.5, 0.01}, false}, {{0.025, -0.5, -0.5}, {0.525, 0.5, 0.01}, false}};
-  const ShapedMould shape = {.low = {-1.0, -1.0, -1.0}, .high = {1.0, 1.0, 0.0}, .n_boxes = 2, .box = basins, .cell = 0.2};
+  const ShapedBox basins[2] = {{{-0.525, -0.5, -0.5}, {-0.025, 0.5, 0.01}, false},
+                               {{0.025, -0.5, -0.5}, {0.525, 0.5, 0.01}, false}};
+  const ShapedMould shape = {
+      .low = {-1.0, -1.0, -1.0}, .high = {1.0, 1.0, 0.0}, .n_boxes = 2, .box = basins, .cell = 0.2};
   RomData *rom = shaped_mould_create(&shape);
   Surface *surface = NULL;
   ok(surface_create(rom, 2.0 * (reach + skin), &surface, &err), &err);

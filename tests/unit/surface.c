@@ -253,8 +253,7 @@ static void thin_walls_are_flagged_wherever_they_may_hide(void **state)
     random_point(&seed, (const double[3]){-9, -3, -9.9}, (const double[3]){9, 3, 2}, a);
     random_point(&seed, (const double[3]){-1.5, -1.5, -1.5}, (const double[3]){1.5, 1.5, 1.5}, d);
     vec_axpy(1.0, d, a, b);
-    if (fabs(a[1]) < 0.5 || fabs(b[1]) < 0.5 || b[2] < -10.0 || fabs(b[0]) > 10.0 || a[1] * b[1] > 0.0)
-      continue;
+    if (fabs(a[1]) < 0.5 || fabs(b[1]) < 0.5 || b[2] < -10.0 || fabs(b[0]) > 10.0 || a[1] * b[1] > 0.0) continue;
     // across the fin's plane: hidden if both faces are passed below the end
     const double at_low = (-0.5 - a[1]) / d[1], at_high = (0.5 - a[1]) / d[1];
     const bool through = a[2] + at_low * d[2] < 0.0 && a[2] + at_high * d[2] < 0.0;

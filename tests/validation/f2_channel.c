@@ -1,5 +1,6 @@
-/* F2: start-up of Couette and Poiseuille flow between plates: velocity in the middle of the gap and the whole profile against
- * the series, and the order.  L = 1 mm, nu = 1e-6 m2/s, V0 = 1.25e-5 m/s, F = 1e-4 m/s2 (Morris, Fox & Zhu 1997). */
+/* F2: start-up of Couette and Poiseuille flow between plates: velocity in the middle of the gap and the whole profile
+ * against the series, and the order.  L = 1 mm, nu = 1e-6 m2/s, V0 = 1.25e-5 m/s, F = 1e-4 m/s2 (Morris, Fox & Zhu
+ * 1997). */
 #include <math.h>
 #include <omp.h>
 #include <setjmp.h>
@@ -52,10 +53,19 @@ typedef struct Run {
 static LatticeTank make_channel(const Flow *flow, int across)
 {
   const double dx = gap / across;
-  LatticeTank tank = {.fluid = {9, 9, across}, .box = {9, 9, across}, .layers = 3, .low = {false, false, true},
+  LatticeTank tank = {.fluid = {9, 9, across},
+                      .box = {9, 9, across},
+                      .layers = 3,
+                      .low = {false, false, true},
                       .high = {false, false, true},
-                      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.5 * dx, .spacing = dx, .rho0 = rho0, .c0 = 20.0 * v0,
-                              .gamma = 7.0, .delta = 0.1, .extra = {flow->moving ? 0.0 : force, 0.0, 0.0}}};
+                      .sph = {.kernel = KERNEL_WENDLAND_C2,
+                              .h = 1.5 * dx,
+                              .spacing = dx,
+                              .rho0 = rho0,
+                              .c0 = 20.0 * v0,
+                              .gamma = 7.0,
+                              .delta = 0.1,
+                              .extra = {flow->moving ? 0.0 : force, 0.0, 0.0}}};
   lattice_tank_create(&tank);
   Particles *p = &tank.particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) p->mu[i] = rho0 * nu;
@@ -105,7 +115,8 @@ static void check_flow(const Flow *flow)
   omp_set_num_threads(1); // a few thousand particles are too few to share
   const double start = validation_cpu_time();
   const Run coarse = run_channel(flow, COARSE), fine = run_channel(flow, FINE);
-  const double cpu = validation_cpu_time() - start, order = log(coarse.profile / fine.profile) / log((double)FINE / COARSE);
+  const double cpu = validation_cpu_time() - start,
+               order = log(coarse.profile / fine.profile) / log((double)FINE / COARSE);
   double worst = 0.0;
   for (int k = 0; k < TIMES; k++) {
     const double exact = flow->exact(0.5 * gap, instants[k]), error = fabs(fine.middle[k] - exact) / exact;
@@ -115,12 +126,11 @@ static void check_flow(const Flow *flow)
         validation_text("%.4g m/s (series)", exact), validation_text("%.4g m/s", fine.middle[k]),
         validation_text("%.2f %%", 100.0 * error), "1 %", validation_text("%d particles across", FINE), cpu / TIMES});
   }
-  validation_write(&(ValidationRow){
-      "F2", validation_text("%s, whole profile at all times, over V0", flow->name), "series", "",
-      validation_text("%.2f %%", 100.0 * fine.profile), "1 %",
-      validation_text("%d particles across, %ld steps; %d: %.2f %%, order %.1f", FINE, fine.steps, COARSE,
-                      100.0 * coarse.profile, order),
-      cpu});
+  validation_write(&(ValidationRow){"F2", validation_text("%s, whole profile at all times, over V0", flow->name),
+                                    "series", "", validation_text("%.2f %%", 100.0 * fine.profile), "1 %",
+                                    validation_text("%d particles across, %ld steps; %d: %.2f %%, order %.1f", FINE,
+                                                    fine.steps, COARSE, 100.0 * coarse.profile, order),
+                                    cpu});
   assert_true(worst < 0.01); // the target of the reference problem
   assert_true(fine.profile < 0.01);
   assert_true(order > 1.0);

@@ -36,9 +36,16 @@ static double run(int n, double temperature[TIMES], long *steps)
   assert_int_equal(table_create(2, T, E, &melt.enthalpy, &err), CAST_OK);
   assert_int_equal(table_create(1, &at, &KAPPA, &melt.conductivity_of_t, &err), CAST_OK);
   assert_int_equal(table_create(1, &at, &one, &melt.viscosity_of_t, &err), CAST_OK);
-  LatticeTank tank = {.fluid = {10, 10, 2 * n}, .box = {10, 10, 2 * n},
-                      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.5 * dx, .spacing = dx, .rho0 = RHO, .c0 = 1.0,
-                              .gamma = 7.0, .melt = &melt, .frozen_flow = true}};
+  LatticeTank tank = {.fluid = {10, 10, 2 * n},
+                      .box = {10, 10, 2 * n},
+                      .sph = {.kernel = KERNEL_WENDLAND_C2,
+                              .h = 1.5 * dx,
+                              .spacing = dx,
+                              .rho0 = RHO,
+                              .c0 = 1.0,
+                              .gamma = 7.0,
+                              .melt = &melt,
+                              .frozen_flow = true}};
   lattice_tank_create(&tank);
   Particles *p = &tank.particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) p->E[i] = C * (SHIFT + (p->x[2][i] < L ? 1.0 : -1.0));
