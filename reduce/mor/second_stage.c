@@ -15,7 +15,10 @@
 
 static const PetscReal EARLY_WEIGHT = 0.4; // p: fewest states of 0, 0.25, 0.35, 0.4, 0.5, 0.75 on most moulds tried
 
-enum { MOST_INPUTS = 64 }; // inputs followed when responses are compared: every one up to here, then a sample
+enum {
+  MOST_INPUTS = 64, // inputs followed when responses are compared: every one up to here, then a sample
+  MOST_TRIALS = 8   // orders tried
+};
 
 /* P without the constant direction, [r x r]. */
 static PetscErrorCode gramian(const ModalModel *model, const PetscReal *weight, PetscReal p, PetscReal *P)
@@ -117,21 +120,31 @@ static PetscErrorCode deviation(const ModalModel *model, const ModalModel *small
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The order to try next between one that misses and one that keeps what is allowed: the error falls about exponentially
+ * with the order. */
+static PetscInt next_order(PetscInt too_few, PetscReal too_large, PetscInt enough, PetscReal small, PetscReal allowed)
+{
+  const PetscReal slope = log(too_large / small) / (PetscReal)(enough - too_few);
+  const PetscInt guess = too_few + (PetscInt)ceil(log(too_large / (0.95 * allowed)) / slope);
+  const PetscInt margin = (enough - too_few) / 8; // never close to an end: the bracket has to shrink
+  return PetscMin(PetscMax(guess, too_few + 1 + margin), enough - 1 - margin);
+}
+
 PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *weight, PetscBool singular,
                                      PetscInt n_times, const PetscReal *time, PetscReal allowed, PetscReal *reached,
                                      ModalModel **smaller)
 {
   const size_t r = (size_t)model->r;
   PetscInt too_few = 1, enough = model->r; // orders known to miss and to keep what is allowed
-  PetscReal *U;
+  PetscReal too_large = 1.0, small = 1e-3 * allowed, *U;
 
   PetscFunctionBeginUser;
   *smaller = NULL;
   *reached = 0.0;
   PetscCall(PetscMalloc1(r * r, &U));
   PetscCall(balance(model, weight, EARLY_WEIGHT, U));
-  while (enough - too_few > PetscMax(1, enough / 100)) { // an order within a percent of the least will do
-    const PetscInt k = too_few == 1 && enough == model->r ? (3 * model->r) / 4 : (too_few + enough) / 2;
+  for (PetscInt trial = 0; trial < MOST_TRIALS && enough - too_few > PetscMax(1, enough / 50); trial++) {
+    const PetscInt k = next_order(too_few, too_large, enough, small, allowed);
     ModalModel *candidate;
     PetscReal worst;
     if (k <= too_few || k >= enough) break;
@@ -140,11 +153,12 @@ PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *w
     if (worst <= allowed) {
       PetscCall(modal_model_destroy(smaller));
       *smaller = candidate;
-      *reached = worst;
+      *reached = small = worst;
       enough = k;
     } else {
       PetscCall(modal_model_destroy(&candidate));
       too_few = k;
+      too_large = worst;
     }
   }
   PetscCall(PetscFree(U));
