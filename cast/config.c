@@ -174,6 +174,28 @@ static CastStatus read_points(YamlNode node, const char *where, size_t *n, Point
   return CAST_OK;
 }
 
+/* The named surfaces of the cavity that are wanted as metal: what "filled" is about. */
+static CastStatus read_part(YamlNode node, CastConfig *config, CastError *err)
+{
+  if (!yaml_exists(node)) return CAST_OK;
+  if (!yaml_is_sequence(node) || yaml_count(node) == 0) {
+    yaml_problem(node, "a list of the cavity surfaces that make up the part is expected: [disc, pins]");
+    return CAST_OK;
+  }
+  config->part = calloc(yaml_count(node), sizeof *config->part);
+  CAST_CHECK(config->part, err, CAST_ERR_MEMORY, "no memory");
+  config->n_part = yaml_count(node);
+  for (size_t i = 0; i < config->n_part; i++) {
+    const YamlNode item = yaml_item(node, i);
+    const char *name = yaml_string(item, "");
+    snprintf(config->part[i], sizeof config->part[i], "%s", name);
+    if (strlen(name) >= sizeof config->part[i]) yaml_problem(item, "no surface has a name that long");
+    for (size_t k = 0; k < i; k++)
+      if (strcmp(config->part[k], config->part[i]) == 0) yaml_problem(item, "'%s' is named twice", name);
+  }
+  return CAST_OK;
+}
+
 static CastStatus read_output(YamlNode node, CastConfig *config, CastError *err)
 {
   OutputConfig *output = &config->output;
@@ -221,6 +243,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   read_coupling(yaml_get(root, "coupling"), config);
   read_sph(yaml_require(root, "sph"), config);
   read_time(yaml_require(root, "time"), config);
+  CAST_CALL(read_part(yaml_get(root, "part"), config, err));
   CAST_CALL(read_output(yaml_require(root, "output"), config, err));
   check_sound_speed(root, config);
   return yaml_input_finish(input, err);
@@ -248,6 +271,7 @@ void cast_config_destroy(CastConfig **config)
                    old->output.folder, old->input_path, old->input_text};
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);
   free(old->block);
+  free(old->part);
   free(old->output.probe);
   free(old->output.tracer);
   free(old);

@@ -48,6 +48,8 @@ typedef struct CastConfig {
   double end;  // s
   double step; // s; 0: from the limits of sph_time_step and of the exchange with the mould
   RomScheme scheme;
+  size_t n_part;                 // cavity surfaces that make up the part; 0: not said
+  char (*part)[ROM_NAME_LENGTH]; // [n_part]
   OutputConfig output;
   char *input_path, *input_text;
 } CastConfig;

@@ -164,6 +164,12 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   else
     fputs("  step: auto\n", out);
   fprintf(out, "  scheme: %s\n", c->scheme == ROM_EXPONENTIAL ? "exponential" : "backward-euler");
+  if (c->n_part) fputs("part: [", out);
+  for (size_t i = 0; i < c->n_part; i++) {
+    if (i) fputs(", ", out);
+    put_text(out, c->part[i]);
+  }
+  if (c->n_part) fputs("]\n", out);
   put_output(out, &c->output);
 }
 

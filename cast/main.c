@@ -14,6 +14,7 @@
 #include "cast_build_config.h"
 #include "common/h5.h"
 #include "common/rom_report.h"
+#include "common/yaml_input.h"
 #include "revision.h"
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 3 };
@@ -27,6 +28,8 @@ static const char HELP[] =
     "  castrun draw FOLDER          draw FOLDER/filling.png and FOLDER/curves.png\n"
     "  castrun info FILE            what a ROM (mould.rom.h5) or a results file (results.vtkhdf) holds\n"
     "\n"
+    "  --set KEY=VALUE   with run and check: a value in place of the input's, as often as wished:\n"
+    "                    --set 'preheat=850 degC' --set 'melt.blocks[1].temperature=1200 degC'\n"
     "  --threads N   threads to use (default: OMP_NUM_THREADS or all cores); results do not depend on it\n"
     "  --quiet       nothing but warnings and errors on the terminal; castrun.log has it all\n"
     "  --help, --version\n"
@@ -37,7 +40,8 @@ static const char HELP[] =
 typedef struct Arguments {
   const char *command, *target;
   bool quiet;
-  char *line; // the command line as one text, owned
+  char *line;      // the command line as one text, owned
+  char *overrides; // what --set gives, as lines of YAML, owned; NULL: none
 } Arguments;
 
 static volatile sig_atomic_t stop_requested = 0;
@@ -116,11 +120,27 @@ static CastStatus run_config(const Arguments *arguments, const CastConfig *confi
   return status;
 }
 
+/* The input file, with what --set gives behind it: a run's text tells all there is to know about it. */
+static CastStatus read_config(const Arguments *arguments, CastConfig **config, CastError *err)
+{
+  if (!arguments->overrides) return cast_config_read(arguments->target, NULL, config, err);
+  char *text = NULL;
+  CAST_CALL(yaml_input_read_text(arguments->target, &text, err));
+  const size_t size = strlen(text) + strlen(arguments->overrides) + 32;
+  char *joined = malloc(size);
+  if (joined) snprintf(joined, size, "%s\noverrides:\n%s", text, arguments->overrides);
+  free(text);
+  CAST_CHECK(joined, err, CAST_ERR_MEMORY, "no memory");
+  const CastStatus status = cast_config_read(arguments->target, joined, config, err);
+  free(joined);
+  return status;
+}
+
 static CastStatus command_run(const Arguments *arguments, int *exit_code, CastError *err)
 {
   CastConfig *config = NULL;
   Log *log = NULL;
-  CAST_CALL(cast_config_read(arguments->target, NULL, &config, err));
+  CAST_CALL(read_config(arguments, &config, err));
   CastStatus status = make_folder(config->output.folder, err);
   if (status == CAST_OK) status = open_log(config->output.folder, arguments->quiet, &log, err);
   if (status == CAST_OK) status = run_config(arguments, config, log, exit_code, err);
@@ -134,7 +154,7 @@ static CastStatus command_check(const Arguments *arguments, CastError *err)
   CastConfig *config = NULL;
   Log *log = NULL;
   Sim *sim = NULL;
-  CAST_CALL(cast_config_read(arguments->target, NULL, &config, err));
+  CAST_CALL(read_config(arguments, &config, err));
   CastStatus status = log_open(NULL, arguments->quiet, &log, err);
   if (status == CAST_OK) status = sim_create(config, log, &sim, err);
   if (status == CAST_OK) status = sim_report(sim, err);
@@ -208,6 +228,19 @@ static int usage(const char *fault, const char *what)
   return EXIT_USAGE;
 }
 
+/* KEY=VALUE as a line of the map `overrides`; false: it is not of that form. */
+static bool add_override(Arguments *arguments, const char *text)
+{
+  const char *equals = text ? strchr(text, '=') : NULL;
+  if (!equals || equals == text || !equals[1] || strpbrk(text, "\n\"")) return false;
+  const size_t old = arguments->overrides ? strlen(arguments->overrides) : 0, size = old + strlen(text) + 16;
+  char *longer = realloc(arguments->overrides, size);
+  if (!longer) return false;
+  arguments->overrides = longer;
+  snprintf(longer + old, size - old, "  \"%.*s\": %s\n", (int)(equals - text), text, equals + 1);
+  return true;
+}
+
 /* 0, or the exit status for a wrong command line. */
 static int parse(int argc, char **argv, Arguments *arguments)
 {
@@ -215,6 +248,8 @@ static int parse(int argc, char **argv, Arguments *arguments)
     const char *argument = argv[i];
     if (strcmp(argument, "--quiet") == 0) {
       arguments->quiet = true;
+    } else if (strcmp(argument, "--set") == 0) {
+      if (!add_override(arguments, i + 1 < argc ? argv[++i] : NULL)) return usage("--set wants KEY=VALUE", NULL);
     } else if (strcmp(argument, "--threads") == 0) {
       char *end = NULL;
       const long n = i + 1 < argc ? strtol(argv[++i], &end, 10) : 0;
@@ -232,6 +267,8 @@ static int parse(int argc, char **argv, Arguments *arguments)
   }
   if (!arguments->command) return usage("a command is expected", NULL);
   if (!arguments->target) return usage("a file or folder is expected after the command", arguments->command);
+  const bool reads_input = strcmp(arguments->command, "run") == 0 || strcmp(arguments->command, "check") == 0;
+  if (arguments->overrides && !reads_input) return usage("--set goes with run and check", NULL);
   return 0;
 }
 
@@ -269,5 +306,6 @@ int main(int argc, char **argv)
   arguments.line = join(argc, argv);
   const int exit_code = execute(&arguments);
   free(arguments.line);
+  free(arguments.overrides);
   return exit_code;
 }

@@ -31,6 +31,7 @@ static CastStatus build(Sim *sim, CastError *err)
                               &sim->neighbours, err));
   CAST_CALL(coupling_create(&c->coupling, &sim->sph, sim->rom, sim->surface, &sim->particles, &sim->coupling, err));
   CAST_CALL(filling_create(sim->surface, sim->rom, c->spacing, sim->origin, &sim->filling, err));
+  CAST_CALL(filling_set_part(sim->filling, c->n_part, c->part, err));
   return first_rates(sim, err);
 }
 

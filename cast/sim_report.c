@@ -41,15 +41,18 @@ static void report_volumes(const Sim *sim)
   const Filling *f = sim->filling;
   const size_t features = filling_n_features(f);
   const double melt = (double)sim->particles.n_fluid * pow(sim->config->spacing, 3.0);
-  double needed = 0.0;
+  double needed = 0.0, in_all = 0.0;
   for (size_t s = 0; s < features; s++) {
     const bool starts_here = filling_fraction(f, s) > 0.05;
     log_info(sim->log, "cavity    %-12s %9.4g mm3%s", filling_name(f, s), 1e9 * filling_volume(f, s),
              starts_here ? ", holds melt at the start" : "");
     if (!starts_here) needed += filling_volume(f, s);
+    in_all += filling_volume(f, s);
   }
-  log_info(sim->log, "cavity    %-12s %9.4g mm3; the melt is %.0f %% of it", "in all",
-           1e9 * filling_volume(f, features), 100.0 * melt / filling_volume(f, features));
+  log_info(sim->log, "cavity    %-12s %9.4g mm3; the melt is %.0f %% of it", "in all", 1e9 * in_all,
+           100.0 * melt / in_all);
+  if (sim->config->n_part)
+    log_info(sim->log, "part      %-12s %9.4g mm3; \"filled\" is about it", "", 1e9 * filling_volume(f, features));
   if (melt < needed)
     log_warn(sim->log, "%.4g mm3 of melt cannot fill the %.4g mm3 of cavity that are empty at the start", 1e9 * melt,
              1e9 * needed);

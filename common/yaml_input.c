@@ -120,6 +120,8 @@ static CastStatus build(YamlInput *input, CastError *err)
   CAST_CALL(load_document(input, err));
   const yaml_node_t *root = yaml_document_get_root_node(&input->document);
   CAST_CHECK(root, err, CAST_ERR_INPUT, "'%s' is empty", input->path);
+  if (root->type == YAML_MAPPING_NODE) CAST_CALL(yaml_input_apply_overrides(input, err));
+  root = yaml_document_get_root_node(&input->document); // nodes may have moved
   input->n_nodes = (int)(input->document.nodes.top - input->document.nodes.start);
   const size_t n = (size_t)input->n_nodes + 1;
   input->parent = calloc(n, sizeof *input->parent);
@@ -150,6 +152,12 @@ static CastStatus create(char *text, const char *path, YamlInput **input, CastEr
   if (status != CAST_OK) yaml_input_destroy(&made);
   *input = made;
   return status;
+}
+
+CastStatus yaml_input_read_text(const char *path, char **text, CastError *err)
+{
+  *text = NULL;
+  return read_file(path, text, err);
 }
 
 CastStatus yaml_input_load(const char *path, YamlInput **input, CastError *err)

@@ -29,12 +29,16 @@ typedef struct YamlRange { // allowed values, in SI
 #define YAML_NON_NEGATIVE ((YamlRange){0.0, INFINITY, false})
 
 /* Read the file: one document of plain YAML in UTF-8, at most 4 MiB and 32 levels deep, its root a map. Syntax errors,
- * duplicate keys, anchors, aliases and tags are refused with their line. Errors: CAST_ERR_IO, CAST_ERR_INPUT,
- * CAST_ERR_MEMORY. */
+ * duplicate keys, anchors, aliases and tags are refused with their line. The root's map `overrides`, if there is one,
+ * holds paths of keys ("melt.temperature", "melt.blocks[1].size") and the values to take in place of those in the file;
+ * getters see the result. Errors: CAST_ERR_IO, CAST_ERR_INPUT, CAST_ERR_MEMORY. */
 CastStatus yaml_input_load(const char *path, YamlInput **input, CastError *err);
 /* The same from text; `name` stands for the file in messages. */
 CastStatus yaml_input_parse(const char *text, const char *name, YamlInput **input, CastError *err);
 void yaml_input_destroy(YamlInput **input);
+/* The text of a file, with the same limits; the caller owns it. Errors: CAST_ERR_IO, CAST_ERR_INPUT, CAST_ERR_MEMORY.
+ */
+CastStatus yaml_input_read_text(const char *path, char **text, CastError *err);
 
 const char *yaml_input_text(const YamlInput *input); // the bytes as read, for provenance
 const char *yaml_input_path(const YamlInput *input);

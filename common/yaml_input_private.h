@@ -33,6 +33,10 @@ CastStatus yaml_input_syntax_error(const YamlInput *input, const yaml_parser_t *
 /* A parser on the text; false without memory. */
 bool yaml_input_open_parser(const YamlInput *input, yaml_parser_t *parser);
 
+/* Put the values of the root's map `overrides` in their places and take that map out. Before nodes are linked.
+ * Errors: CAST_ERR_INPUT, CAST_ERR_MEMORY. */
+CastStatus yaml_input_apply_overrides(YamlInput *input, CastError *err);
+
 yaml_node_t *yaml_input_node(YamlNode node);
 void yaml_input_ask(YamlNode map, const char *key);
 /* "mesh.cavity_size", "melt.blocks[2].size"; empty for the root. */

@@ -1,6 +1,7 @@
 #include "cast/io/filling.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,7 +18,9 @@ struct Filling {
   ptrdiff_t count[3];
   int32_t *at;                       // [count] cavity cell there; -1: none
   uint8_t *filled;                   // [cells.n]
-  double *volume, *fraction;         // [n_surfaces + 1]
+  double *volume, *fraction;         // [n_surfaces + 1], the last for the part
+  bool has_part;                     // it is not the whole cavity
+  uint8_t *in_part;                  // [n_surfaces]
   double (*reached)[FILLING_LEVELS]; // [n_surfaces + 1] s
 };
 
@@ -48,9 +51,11 @@ static CastStatus sort_cells(Filling *f, CastError *err)
   f->volume = calloc(features, sizeof *f->volume);
   f->fraction = calloc(features, sizeof *f->fraction);
   f->reached = calloc(features, sizeof *f->reached);
-  CAST_CHECK(f->at && f->filled && f->volume && f->fraction && f->reached, err, CAST_ERR_MEMORY,
+  f->in_part = malloc(features);
+  CAST_CHECK(f->at && f->filled && f->volume && f->fraction && f->reached && f->in_part, err, CAST_ERR_MEMORY,
              "no memory for the cavity's %td cells", f->cells.n);
   for (size_t k = 0; k < n; k++) f->at[k] = -1;
+  memset(f->in_part, 1, features);
   for (ptrdiff_t i = 0; i < f->cells.n; i++) {
     ptrdiff_t k[3];
     for (int d = 0; d < 3; d++) {
@@ -92,8 +97,30 @@ void filling_destroy(Filling **filling)
   free(f->volume);
   free(f->fraction);
   free(f->reached);
+  free(f->in_part);
   free(f);
   *filling = NULL;
+}
+
+CastStatus filling_set_part(Filling *f, size_t n, char (*names)[ROM_NAME_LENGTH], CastError *err)
+{
+  if (n == 0) return CAST_OK;
+  const size_t features = f->cells.n_surfaces;
+  memset(f->in_part, 0, features);
+  f->has_part = true;
+  f->volume[features] = 0.0;
+  for (size_t i = 0; i < n; i++) {
+    size_t s = 0;
+    while (s < features && strcmp(f->cells.names[s], names[i]) != 0) s++;
+    char known[256] = "";
+    for (size_t k = 0, used = 0; k < features && used < sizeof known; k++)
+      used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", f->cells.names[k]);
+    CAST_CHECK(s < features, err, CAST_ERR_INPUT, "part: the mould's cavity has no surface '%s'; it has %s", names[i],
+               known);
+    f->in_part[s] = 1;
+    f->volume[features] += f->volume[s];
+  }
+  return CAST_OK;
 }
 
 /* Mark the cells around a particle that it covers. Threads may write the same byte: it is the same value. */
@@ -129,7 +156,7 @@ void filling_update(Filling *f, const Particles *p, double time)
   for (ptrdiff_t i = 0; i < f->cells.n; i++) {
     if (!f->filled[i]) continue;
     f->fraction[f->cells.surface[i]] += f->cells.volume[i];
-    f->fraction[features - 1] += f->cells.volume[i];
+    if (f->in_part[f->cells.surface[i]]) f->fraction[features - 1] += f->cells.volume[i];
   }
   for (size_t s = 0; s < features; s++) {
     f->fraction[s] = f->volume[s] > 0.0 ? f->fraction[s] / f->volume[s] : 0.0;
@@ -145,7 +172,9 @@ size_t filling_n_features(const Filling *filling)
 
 const char *filling_name(const Filling *filling, size_t feature)
 {
-  return feature < filling->cells.n_surfaces ? filling->cells.names[feature] : "whole cavity";
+  return feature < filling->cells.n_surfaces ? filling->cells.names[feature]
+         : filling->has_part                 ? "part"
+                                             : "whole cavity";
 }
 
 double filling_volume(const Filling *filling, size_t feature)

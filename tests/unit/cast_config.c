@@ -58,6 +58,7 @@ static const char EVERYTHING[] =
     "  artificial_viscosity: 0.07\n"
     "  negative_pressure: cut\n"
     "time: { end: 11.1 ms, step: 1.3 us, scheme: backward-euler }\n"
+    "part: [disc, thin pins]\n"
     "output:\n"
     "  folder: /tmp/there\n"
     "  every: 1.7 ms\n"
@@ -121,6 +122,8 @@ static void every_option_arrives(void **state)
   assert_int_equal(c->scheme, ROM_BACKWARD_EULER);
   assert_close(c->output.checkpoint_every, 420.0, 1e-12);
   assert_false(c->output.mould_fields);
+  assert_int_equal(c->n_part, 2);
+  assert_string_equal(c->part[1], "thin pins");
   assert_int_equal(c->output.n_probes, 1);
   assert_int_equal(c->output.n_tracers, 2);
   assert_string_equal(c->output.tracer[1].name, "2");
@@ -166,6 +169,8 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
   assert_memory_equal(a->acceleration, b->acceleration, sizeof a->acceleration);
   assert_int_equal(a->n_blocks, b->n_blocks);
   assert_memory_equal(a->block, b->block, a->n_blocks * sizeof *a->block);
+  assert_int_equal(a->n_part, b->n_part);
+  for (size_t i = 0; i < a->n_part; i++) assert_string_equal(a->part[i], b->part[i]);
   assert_int_equal(a->output.n_tracers, b->output.n_tracers);
   for (size_t i = 0; i < a->output.n_tracers; i++) {
     assert_string_equal(a->output.tracer[i].name, b->output.tracer[i].name);

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "cast/io/filling.h"
 #include "cast/io/probes.h"
@@ -183,12 +184,36 @@ static void a_full_cavity_is_filled_and_its_times_survive_a_checkpoint(void **st
   filling_destroy(&again);
 }
 
+static void the_part_is_what_the_user_names(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  const double spacing = 0.4e-3, origin[3] = {-2e-3, -2e-3, -4e-3}, corner[3] = {-2e-3, -2e-3, -4e-3};
+  Filling *filling = NULL;
+  ok(filling_create(surface, rom, spacing, origin, &filling, &err), &err);
+  const size_t all = filling_n_features(filling);
+  char names[1][ROM_NAME_LENGTH] = {"nothing"};
+  assert_int_equal(filling_set_part(filling, 1, names, &err), CAST_ERR_INPUT);
+  assert_non_null(strstr(err.message, "no surface 'nothing'; it has cavity, pin"));
+  snprintf(names[0], sizeof names[0], "cavity");
+  ok(filling_set_part(filling, 1, names, &err), &err);
+  assert_string_equal(filling_name(filling, all), "part");
+  Particles p = make_melt(corner, (const int[3]){10, 10, 10}, spacing); // the box, not the pin
+  filling_update(filling, &p, 0.25);
+  assert_close(filling_volume(filling, all), filling_volume(filling, 0), 1e-18);
+  assert_close(filling_fraction(filling, all), 1.0, 1e-12);
+  assert_true(filling_fraction(filling, 1) < 0.5);
+  particles_destroy(&p);
+  filling_destroy(&filling);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_probe_in_the_melt_averages_a_linear_field_exactly),
       cmocka_unit_test(a_probe_in_the_mould_interpolates_the_basis),
       cmocka_unit_test(half_a_cavity_of_melt_is_half_filled),
+      cmocka_unit_test(the_part_is_what_the_user_names),
       cmocka_unit_test(a_full_cavity_is_filled_and_its_times_survive_a_checkpoint),
   };
   return cmocka_run_group_tests(tests, set_up, clean_up);

@@ -55,6 +55,41 @@ static void values_of_every_kind_are_read(void **state)
   expect_problems(input, "");
 }
 
+static void overrides_take_the_place_of_what_stands_in_the_file(void **state)
+{
+  (void)state;
+  YamlInput *input = open_text("a: 1 mm\nmelt:\n  t: 900 K\n  blocks:\n    - {size: 1 mm}\n    - {size: 2 mm}\n"
+                               "overrides:\n  a: 5 mm\n  melt.blocks[2].size: 7 mm\n  new.deep.key: 3\n  melt.t: [1, 2]\n");
+  assert_close(yaml_quantity(at(input, "a"), "m", YAML_POSITIVE, NAN), 5e-3, 1e-17);
+  const YamlNode melt = at(input, "melt"), blocks = yaml_get(melt, "blocks");
+  assert_close(yaml_quantity(yaml_get(yaml_item(blocks, 0), "size"), "m", YAML_POSITIVE, NAN), 1e-3, 1e-17);
+  assert_close(yaml_quantity(yaml_get(yaml_item(blocks, 1), "size"), "m", YAML_POSITIVE, NAN), 7e-3, 1e-17);
+  assert_int_equal(yaml_count(yaml_get(melt, "t")), 2);
+  const YamlNode deep = yaml_get(yaml_get(at(input, "new"), "deep"), "key");
+  assert_int_equal(yaml_integer(deep, 0, 9, -1), 3);
+  assert_false(yaml_exists(at(input, "overrides")));
+  yaml_problem(deep, "too large");
+  expect_problems(input, "mould.yaml:10: new.deep.key: too large");
+}
+
+static void overrides_that_lead_nowhere_are_refused(void **state)
+{
+  (void)state;
+  static const char *const CASES[][2] = {
+      {"a: 1\noverrides: 3\n", "mould.yaml:2: overrides: a map is expected, such as {melt.temperature: 1100 degC}"},
+      {"a: 1\noverrides: {a.b: 3}\n", "mould.yaml:2: overrides: 'a.b' leads through something that has no keys"},
+      {"a: [1]\noverrides: {\"a[2]\": 3}\n",
+       "mould.yaml:2: overrides: 'a[2]' names item 2 of a list of 1 (items count from 1)"},
+      {"a: 1\noverrides:\n  .b: 3\n", "mould.yaml:3: overrides: '.b' is no path of keys such as melt.temperature"}};
+  for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+    YamlInput *input = NULL;
+    CastError err = {0};
+    assert_int_equal(yaml_input_parse(CASES[i][0], "mould.yaml", &input, &err), CAST_ERR_INPUT);
+    assert_string_equal(err.message, CASES[i][1]);
+    assert_null(input);
+  }
+}
+
 static void absent_nodes_give_the_fallback_and_no_further_problem(void **state)
 {
   (void)state;
@@ -228,6 +263,8 @@ int main(void)
 {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(values_of_every_kind_are_read),
+      cmocka_unit_test(overrides_take_the_place_of_what_stands_in_the_file),
+      cmocka_unit_test(overrides_that_lead_nowhere_are_refused),
       cmocka_unit_test(absent_nodes_give_the_fallback_and_no_further_problem),
       cmocka_unit_test(names_chosen_by_the_user_can_be_walked),
       cmocka_unit_test(all_problems_come_at_once_sorted_by_line),
