@@ -28,6 +28,7 @@ typedef struct OutputConfig {
 typedef struct CastConfig {
   char *title;
   char *rom_path;          // resolved against the input file's folder
+  RomData *loaded_rom;     // borrowed: what rom_path holds, where it has been read already; NULL: read it
   double preheat, ambient; // K
   Material melt;
   char *melt_reference;    // the name or path of its file as written; NULL: inline

@@ -1,20 +1,17 @@
 /* main.c - the command line of castrun. */
 #define _GNU_SOURCE // sigaction
-#include <errno.h>
-#include <limits.h>
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cast/io/draw.h"
 #include "cast/io/run_record.h"
-#include "cast/sim.h"
+#include "cast/run_case.h"
+#include "cast/study/study.h"
 #include "cast_build_config.h"
 #include "common/h5.h"
 #include "common/rom_report.h"
-#include "common/yaml_input.h"
 #include "revision.h"
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 3 };
@@ -26,10 +23,12 @@ static const char HELP[] =
     "  castrun check CAST.yaml      read all inputs, say what would be computed and what is wrong\n"
     "  castrun resume FOLDER        go on from FOLDER/checkpoint.h5\n"
     "  castrun draw FOLDER          draw FOLDER/filling.png and FOLDER/curves.png\n"
+    "  castrun sweep STUDY.yaml     many runs of one case: lists, grids, Latin hypercube, bisection\n"
     "  castrun info FILE            what a ROM (mould.rom.h5) or a results file (results.vtkhdf) holds\n"
     "\n"
     "  --set KEY=VALUE   with run and check: a value in place of the input's, as often as wished:\n"
     "                    --set 'preheat=850 degC' --set 'melt.blocks[1].temperature=1200 degC'\n"
+    "  --only N      with sweep: its run N alone, for the job arrays of a cluster\n"
     "  --threads N   threads to use (default: OMP_NUM_THREADS or all cores); results do not depend on it\n"
     "  --quiet       nothing but warnings and errors on the terminal; castrun.log has it all\n"
     "  --help, --version\n"
@@ -41,6 +40,7 @@ typedef struct Arguments {
   const char *command, *target;
   bool quiet;
   char *line;      // the command line as one text, owned
+  long only;       // of a study's runs; 0: all
   char *overrides; // what --set gives, as lines of YAML, owned; NULL: none
 } Arguments;
 
@@ -61,90 +61,22 @@ static void catch_signals(void)
   sigaction(SIGTERM, &action, NULL);
 }
 
-/* ---- folders ---- */
-
-/* The folder and those above it. */
-static CastStatus make_folder(const char *path, CastError *err)
-{
-  char partial[PATH_MAX];
-  snprintf(partial, sizeof partial, "%s", path);
-  for (char *slash = partial + 1; *slash; slash++) {
-    if (*slash != '/') continue;
-    *slash = '\0';
-    mkdir(partial, 0777); // what fails here fails below too, with the reason
-    *slash = '/';
-  }
-  if (mkdir(partial, 0777) == 0 || errno == EEXIST) {
-    struct stat info;
-    CAST_CHECK(stat(path, &info) == 0 && S_ISDIR(info.st_mode), err, CAST_ERR_IO, "output folder '%s' is a file", path);
-    return CAST_OK;
-  }
-  return cast_error_set(err, CAST_ERR_IO, "output folder '%s' cannot be made: %s", path, strerror(errno));
-}
-
-static CastStatus open_log(const char *folder, bool quiet, Log **log, CastError *err)
-{
-  char path[PATH_MAX];
-  snprintf(path, sizeof path, "%.4000s/castrun.log", folder);
-  return log_open(path, quiet, log, err);
-}
-
 /* ---- commands ---- */
 
-static CastStatus run_to_the_end(Sim *sim, Log *log, const char *folder, int *exit_code, CastError *err)
+static RunCase how_to_run(const Arguments *arguments)
 {
-  SimEnd end = SIM_FINISHED;
   catch_signals();
-  CAST_CALL(sim_run(sim, &stop_requested, &end, err));
-  if (end == SIM_INTERRUPTED) {
-    log_info(log, "interrupted at t = %g ms; to go on: castrun resume %s", 1e3 * sim_time(sim), folder);
-    *exit_code = EXIT_INTERRUPTED;
-    return CAST_OK;
-  }
-  const EnergyLedger e = sim_ledger(sim);
-  log_info(log, "%s: filled %.1f %%, energy residual %.1e J of %.4g J exchanged; see %s/summary.txt",
-           end == SIM_EMPTY ? "all melt has left the mould" : "done", 100.0 * sim_filled_fraction(sim), e.residual,
-           e.exchanged, folder);
-  return CAST_OK;
-}
-
-static CastStatus run_config(const Arguments *arguments, const CastConfig *config, Log *log, int *exit_code,
-                             CastError *err)
-{
-  Sim *sim = NULL;
-  CastStatus status = sim_create(config, log, &sim, err);
-  if (status == CAST_OK) status = sim_report(sim, err);
-  if (status == CAST_OK) status = sim_open_output(sim, arguments->line, err);
-  if (status == CAST_OK) status = run_to_the_end(sim, log, config->output.folder, exit_code, err);
-  sim_destroy(&sim);
-  return status;
-}
-
-/* The input file, with what --set gives behind it: a run's text tells all there is to know about it. */
-static CastStatus read_config(const Arguments *arguments, CastConfig **config, CastError *err)
-{
-  if (!arguments->overrides) return cast_config_read(arguments->target, NULL, config, err);
-  char *text = NULL;
-  CAST_CALL(yaml_input_read_text(arguments->target, &text, err));
-  const size_t size = strlen(text) + strlen(arguments->overrides) + 32;
-  char *joined = malloc(size);
-  if (joined) snprintf(joined, size, "%s\noverrides:\n%s", text, arguments->overrides);
-  free(text);
-  CAST_CHECK(joined, err, CAST_ERR_MEMORY, "no memory");
-  const CastStatus status = cast_config_read(arguments->target, joined, config, err);
-  free(joined);
-  return status;
+  return (RunCase){arguments->line, arguments->quiet, &stop_requested};
 }
 
 static CastStatus command_run(const Arguments *arguments, int *exit_code, CastError *err)
 {
   CastConfig *config = NULL;
-  Log *log = NULL;
-  CAST_CALL(read_config(arguments, &config, err));
-  CastStatus status = make_folder(config->output.folder, err);
-  if (status == CAST_OK) status = open_log(config->output.folder, arguments->quiet, &log, err);
-  if (status == CAST_OK) status = run_config(arguments, config, log, exit_code, err);
-  log_close(&log);
+  SimEnd end = SIM_FINISHED;
+  CAST_CALL(run_case_read(arguments->target, arguments->overrides, &config, err));
+  const RunCase how = how_to_run(arguments);
+  const CastStatus status = run_case(config, &how, &end, err);
+  if (end == SIM_INTERRUPTED) *exit_code = EXIT_INTERRUPTED;
   cast_config_destroy(&config);
   return status;
 }
@@ -154,7 +86,7 @@ static CastStatus command_check(const Arguments *arguments, CastError *err)
   CastConfig *config = NULL;
   Log *log = NULL;
   Sim *sim = NULL;
-  CAST_CALL(read_config(arguments, &config, err));
+  CAST_CALL(run_case_read(arguments->target, arguments->overrides, &config, err));
   CastStatus status = log_open(NULL, arguments->quiet, &log, err);
   if (status == CAST_OK) status = sim_create(config, log, &sim, err);
   if (status == CAST_OK) status = sim_report(sim, err);
@@ -167,18 +99,32 @@ static CastStatus command_check(const Arguments *arguments, CastError *err)
 
 static CastStatus command_resume(const Arguments *arguments, int *exit_code, CastError *err)
 {
-  CastConfig *config = NULL;
+  SimEnd end = SIM_FINISHED;
+  const RunCase how = how_to_run(arguments);
+  const CastStatus status = run_case_resume(arguments->target, &how, &end, err);
+  if (end == SIM_INTERRUPTED) *exit_code = EXIT_INTERRUPTED;
+  return status;
+}
+
+static CastStatus command_sweep(const Arguments *arguments, int *exit_code, CastError *err)
+{
+  StudyConfig *config = NULL;
   Log *log = NULL;
-  Sim *sim = NULL;
-  CAST_CALL(open_log(arguments->target, arguments->quiet, &log, err));
-  CastStatus status = sim_resume(arguments->target, log, arguments->line, &config, &sim, err);
-  if (status == CAST_OK) {
-    log_info(log, "resumed at t = %g ms, step %ld", 1e3 * sim_time(sim), sim_steps(sim));
-    status = run_to_the_end(sim, log, arguments->target, exit_code, err);
+  bool interrupted = false;
+  char path[4200];
+  CAST_CALL(study_config_read(arguments->target, &config, err));
+  catch_signals();
+  snprintf(path, sizeof path, "%.4000s/study.log", config->folder);
+  CastStatus status = run_case_make_folder(config->folder, err);
+  if (status == CAST_OK) status = log_open(arguments->only ? NULL : path, arguments->quiet, &log, err);
+  const StudyHow how = {arguments->line, log, &stop_requested, arguments->only};
+  if (status == CAST_OK) status = study_run(config, &how, &interrupted, err);
+  if (interrupted) {
+    log_info(log, "interrupted; the same command goes on");
+    *exit_code = EXIT_INTERRUPTED;
   }
-  sim_destroy(&sim);
   log_close(&log);
-  cast_config_destroy(&config);
+  study_config_destroy(&config);
   return status;
 }
 
@@ -241,6 +187,14 @@ static bool add_override(Arguments *arguments, const char *text)
   return true;
 }
 
+/* 0: not a number from 1 to `most`. */
+static long number_above_zero(const char *text, long most)
+{
+  char *end = NULL;
+  const long n = text ? strtol(text, &end, 10) : 0;
+  return end && end != text && !*end && n >= 1 && n <= most ? n : 0;
+}
+
 /* 0, or the exit status for a wrong command line. */
 static int parse(int argc, char **argv, Arguments *arguments)
 {
@@ -251,10 +205,12 @@ static int parse(int argc, char **argv, Arguments *arguments)
     } else if (strcmp(argument, "--set") == 0) {
       if (!add_override(arguments, i + 1 < argc ? argv[++i] : NULL)) return usage("--set wants KEY=VALUE", NULL);
     } else if (strcmp(argument, "--threads") == 0) {
-      char *end = NULL;
-      const long n = i + 1 < argc ? strtol(argv[++i], &end, 10) : 0;
-      if (!end || *end || n < 1 || n > 4096) return usage("--threads wants a number from 1 to 4096", NULL);
+      const long n = number_above_zero(i + 1 < argc ? argv[++i] : NULL, 4096);
+      if (n == 0) return usage("--threads wants a number from 1 to 4096", NULL);
       omp_set_num_threads((int)n);
+    } else if (strcmp(argument, "--only") == 0) {
+      arguments->only = number_above_zero(i + 1 < argc ? argv[++i] : NULL, STUDY_MOST_RUNS);
+      if (arguments->only == 0) return usage("--only wants the number of a run, from 1", NULL);
     } else if (argument[0] == '-') {
       return usage("unknown option", argument);
     } else if (!arguments->command) {
@@ -269,6 +225,7 @@ static int parse(int argc, char **argv, Arguments *arguments)
   if (!arguments->target) return usage("a file or folder is expected after the command", arguments->command);
   const bool reads_input = strcmp(arguments->command, "run") == 0 || strcmp(arguments->command, "check") == 0;
   if (arguments->overrides && !reads_input) return usage("--set goes with run and check", NULL);
+  if (arguments->only && strcmp(arguments->command, "sweep") != 0) return usage("--only goes with sweep", NULL);
   return 0;
 }
 
@@ -283,6 +240,8 @@ static int execute(const Arguments *arguments)
     status = command_check(arguments, &err);
   else if (strcmp(arguments->command, "resume") == 0)
     status = command_resume(arguments, &exit_code, &err);
+  else if (strcmp(arguments->command, "sweep") == 0)
+    status = command_sweep(arguments, &exit_code, &err);
   else if (strcmp(arguments->command, "draw") == 0)
     status = command_draw(arguments, &err);
   else if (strcmp(arguments->command, "info") == 0)

@@ -59,7 +59,7 @@ void sim_destroy(Sim **sim)
   rom_state_destroy(&s->mould);
   particles_destroy(&s->particles);
   surface_destroy(&s->surface);
-  rom_destroy(&s->rom);
+  if (s->rom != s->config->loaded_rom) rom_destroy(&s->rom);
   free(s);
   *sim = NULL;
 }

@@ -126,7 +126,8 @@ static void set_sph(Sim *sim)
 CastStatus sim_setup_geometry(Sim *sim, CastError *err)
 {
   const CastConfig *c = sim->config;
-  CAST_CALL(rom_read(c->rom_path, &sim->rom, err));
+  sim->rom = c->loaded_rom;
+  if (!sim->rom) CAST_CALL(rom_read(c->rom_path, &sim->rom, err));
   CAST_CALL(hash_file(c->rom_path, sim->rom_sha256, err));
   const double support = kernel_support(c->kernel) * c->smoothing * c->spacing;
   CAST_CALL(surface_create(sim->rom, support + neighbours_skin(c->spacing), &sim->surface, err));
