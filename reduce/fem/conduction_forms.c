@@ -1,7 +1,7 @@
 #include "reduce/fem/conduction_forms.h"
 #include "reduce/petsc_compat.h"
 
-// PETSc fixes the argument lists below (PetscPointJac, PetscBdPointJac, PetscBdPointFunc).
+// PETSc fixes the argument lists below (PetscPointJac, PetscBdPointJac).
 
 static void heat_capacity(PetscInt dim, PetscInt n_fields, PetscInt n_aux, const PetscInt u_offset[],
                           const PetscInt u_offset_x[], const PetscScalar u[], const PetscScalar u_t[],
@@ -40,19 +40,6 @@ static void wall_exchange(PetscInt dim, PetscInt n_fields, PetscInt n_aux, const
   g0[0] = constants[FORM_WALL_COEFFICIENT];
 }
 
-static void unit_flux(PetscInt dim, PetscInt n_fields, PetscInt n_aux, const PetscInt u_offset[],
-                      const PetscInt u_offset_x[], const PetscScalar u[], const PetscScalar u_t[],
-                      const PetscScalar u_x[], const PetscInt a_offset[], const PetscInt a_offset_x[],
-                      const PetscScalar a[], const PetscScalar a_t[], const PetscScalar a_x[], PetscReal t,
-                      const PetscReal x[], const PetscReal normal[], PetscInt n_constants,
-                      const PetscScalar constants[], PetscScalar f0[])
-{
-  (void)dim, (void)n_fields, (void)n_aux, (void)u_offset, (void)u_offset_x, (void)u, (void)u_t, (void)u_x;
-  (void)a_offset, (void)a_offset_x, (void)a, (void)a_t, (void)a_x, (void)t, (void)x, (void)normal;
-  (void)n_constants, (void)constants;
-  f0[0] = 1.0;
-}
-
 PetscErrorCode conduction_forms_set(PetscDS ds)
 {
   PetscFunctionBeginUser;
@@ -67,7 +54,6 @@ PetscErrorCode conduction_forms_set_wall(PetscDS ds, DMLabel label, PetscInt val
   PetscFunctionBeginUser;
   PetscCall(PetscDSGetWeakForm(ds, &form));
   PetscCall(PetscWeakFormSetIndexBdJacobian(form, label, value, 0, 0, 0, 0, wall_exchange, 0, NULL, 0, NULL, 0, NULL));
-  PetscCall(PetscWeakFormSetIndexBdResidual(form, label, value, 0, 0, 0, unit_flux, 0, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -115,29 +115,73 @@ static PetscErrorCode integrate_cells(DM dm, PetscDS ds, Mat E, Mat K)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* int_Gamma_l phi_i dA as a global vector [m2]. */
-static PetscErrorCode integrate_patch(DM dm, PetscWeakForm form, DMLabel label, PetscInt patch, Vec share)
+/* share[i] = int phi_i/area over one (flat) face, i in the order of the face's closure, [n_share] */
+static PetscErrorCode face_shares(PetscFE fe, PetscInt *n_share, PetscReal **share)
 {
-  const PetscFormKey key = {.label = label, .value = patch, .field = 0, .part = 0};
-  Vec at, local;
+  PetscFE of_face;
+  PetscQuadrature quadrature;
+  PetscTabulation table;
+  const PetscReal *points, *weights;
+  PetscInt n_points;
+  PetscReal total = 0.0;
 
   PetscFunctionBeginUser;
-  PetscCall(DMGetLocalVector(dm, &at));
+  PetscCall(PetscFEGetHeightSubspace(fe, 1, &of_face));
+  PetscCall(PetscFEGetFaceQuadrature(fe, &quadrature));
+  PetscCall(PetscQuadratureGetData(quadrature, NULL, NULL, &n_points, &points, &weights));
+  PetscCall(PetscFECreateTabulation(of_face, 1, n_points, points, 0, &table));
+  PetscCall(PetscFEGetDimension(of_face, n_share));
+  PetscCall(PetscCalloc1((size_t)*n_share, share));
+  for (PetscInt q = 0; q < n_points; q++) {
+    total += weights[q];
+    for (PetscInt i = 0; i < *n_share; i++) (*share)[i] += weights[q] * table->T[0][q * *n_share + i];
+  }
+  for (PetscInt i = 0; i < *n_share; i++) (*share)[i] /= total;
+  PetscCall(PetscTabulationDestroy(&table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* int_Gamma_l phi_i dA as a global vector [m2]. Only the patch's own faces are visited: PETSc's boundary residual goes
+ * through the whole mesh for each of m patches. */
+static PetscErrorCode integrate_patch(DM dm, DMLabel label, PetscInt patch, PetscInt n_share, const PetscReal *of_face,
+                                      Vec share)
+{
+  Vec local;
+  IS faces;
+  const PetscInt *face;
+  PetscInt n_faces = 0;
+  PetscScalar *values;
+
+  PetscFunctionBeginUser;
   PetscCall(DMGetLocalVector(dm, &local));
-  PetscCall(VecZeroEntries(at));
   PetscCall(VecZeroEntries(local));
-  PetscCall(DMPlexComputeBdResidualSingle(dm, 0.0, form, key, at, NULL, local));
+  PetscCall(PetscMalloc1((size_t)n_share, &values));
+  PetscCall(DMLabelGetStratumIS(label, patch, &faces));
+  if (faces) {
+    PetscCall(ISGetLocalSize(faces, &n_faces));
+    PetscCall(ISGetIndices(faces, &face));
+    for (PetscInt f = 0; f < n_faces; f++) {
+      PetscReal area;
+      PetscCall(DMPlexComputeCellGeometryFVM(dm, face[f], &area, NULL, NULL));
+      for (PetscInt i = 0; i < n_share; i++) values[i] = area * of_face[i];
+      PetscCall(DMPlexVecSetClosure(dm, NULL, local, face[f], values, ADD_VALUES));
+    }
+    PetscCall(ISRestoreIndices(faces, &face));
+  }
+  PetscCall(ISDestroy(&faces));
+  PetscCall(PetscFree(values));
   PetscCall(VecZeroEntries(share));
   PetscCall(DMLocalToGlobal(dm, local, ADD_VALUES, share));
   PetscCall(DMRestoreLocalVector(dm, &local));
-  PetscCall(DMRestoreLocalVector(dm, &at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Surface integrals: the columns of B, the ambient column, and the Robin walls' share of K. */
-static PetscErrorCode integrate_patches(MouldMesh *mesh, PetscDS ds, ThermalSystem *system)
+static PetscErrorCode integrate_patches(MouldMesh *mesh, PetscDS ds, PetscFE fe, ThermalSystem *system)
 {
   DMLabel label;
+  PetscInt n_share;
+  PetscReal *of_face;
   PetscWeakForm form;
   Vec share, at;
 
@@ -146,14 +190,14 @@ static PetscErrorCode integrate_patches(MouldMesh *mesh, PetscDS ds, ThermalSyst
   PetscCheck(label, PetscObjectComm((PetscObject)mesh->dm), PETSC_ERR_ARG_WRONGSTATE,
              "mesh: it has no label \"patch\", so no heat can enter");
   PetscCall(PetscDSGetWeakForm(ds, &form));
+  PetscCall(face_shares(fe, &n_share, &of_face));
   PetscCall(DMGetGlobalVector(mesh->dm, &share));
   PetscCall(DMGetLocalVector(mesh->dm, &at));
   PetscCall(VecZeroEntries(at));
   for (PetscInt l = 0; l < mesh->n_patches; l++) {
     PetscReal area, h = mesh->patch[l].h;
     Vec column;
-    PetscCall(conduction_forms_set_wall(ds, label, l));
-    PetscCall(integrate_patch(mesh->dm, form, label, l, share));
+    PetscCall(integrate_patch(mesh->dm, label, l, n_share, of_face, share));
     PetscCall(VecSum(share, &area));
     PetscCheck(area > 0, PetscObjectComm((PetscObject)mesh->dm), PETSC_ERR_ARG_OUTOFRANGE,
                "patch %" PetscInt_FMT " (\"%s\"): its area is %g m2", l, mesh->patch[l].name, (double)area);
@@ -167,10 +211,12 @@ static PetscErrorCode integrate_patches(MouldMesh *mesh, PetscDS ds, ThermalSyst
                mesh->patch[l].name, (double)h);
     if (h == 0) continue;
     PetscCall(VecAXPY(system->ambient, h, share));
+    PetscCall(conduction_forms_set_wall(ds, label, l));
     PetscCall(conduction_forms_select(ds, PETSC_FALSE, PETSC_FALSE, h));
     PetscCall(DMPlexComputeBdJacobianSingle(mesh->dm, 0.0, form, label, 1, &l, 0, at, NULL, 0.0, system->K, system->K));
     system->singular = PETSC_FALSE;
   }
+  PetscCall(PetscFree(of_face));
   PetscCall(DMRestoreLocalVector(mesh->dm, &at));
   PetscCall(DMRestoreGlobalVector(mesh->dm, &share));
   PetscCall(MatAssemblyBegin(system->B, MAT_FINAL_ASSEMBLY));
@@ -180,13 +226,50 @@ static PetscErrorCode integrate_patches(MouldMesh *mesh, PetscDS ds, ThermalSyst
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A matrix of zeros with the pattern of the elements, found by one pass over the cells. (DMCreateMatrix finds it by the
+ * neighbours of each mesh point, in several times the time of the assembly itself.) */
+static PetscErrorCode create_matrix(DM dm, Mat *A)
+{
+  Mat pattern;
+  PetscSection local, global;
+  PetscInt first, last, n, N;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMSetMatrixPreallocateSkip(dm, PETSC_TRUE));
+  PetscCall(DMCreateMatrix(dm, A));
+  PetscCall(MatGetLocalSize(*A, &n, NULL));
+  PetscCall(MatGetSize(*A, &N, NULL));
+  PetscCall(MatCreate(PetscObjectComm((PetscObject)dm), &pattern));
+  PetscCall(MatSetType(pattern, MATPREALLOCATOR));
+  PetscCall(MatSetSizes(pattern, n, n, N, N));
+  PetscCall(MatSetUp(pattern));
+  PetscCall(DMGetLocalSection(dm, &local));
+  PetscCall(DMGetGlobalSection(dm, &global));
+  PetscCall(DMPlexGetHeightStratum(dm, 0, &first, &last));
+  for (PetscInt cell = first; cell < last; cell++) {
+    PetscInt k, *index;
+    PetscScalar *zeros;
+    PetscCall(DMPlexGetClosureIndices(dm, local, global, cell, PETSC_TRUE, &k, &index, NULL, NULL));
+    PetscCall(DMGetWorkArray(dm, k * k, MPIU_SCALAR, &zeros));
+    PetscCall(PetscArrayzero(zeros, k * k));
+    PetscCall(MatSetValues(pattern, k, index, k, index, zeros, INSERT_VALUES));
+    PetscCall(DMRestoreWorkArray(dm, k * k, MPIU_SCALAR, &zeros));
+    PetscCall(DMPlexRestoreClosureIndices(dm, local, global, cell, PETSC_TRUE, &k, &index, NULL, NULL));
+  }
+  PetscCall(MatAssemblyBegin(pattern, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(pattern, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatPreallocatorPreallocate(pattern, PETSC_TRUE, *A));
+  PetscCall(MatDestroy(&pattern));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode allocate(MouldMesh *mesh, ThermalSystem *system)
 {
   PetscInt n_local;
 
   PetscFunctionBeginUser;
-  PetscCall(DMCreateMatrix(mesh->dm, &system->E));
-  PetscCall(DMCreateMatrix(mesh->dm, &system->K));
+  PetscCall(create_matrix(mesh->dm, &system->E));
+  PetscCall(MatDuplicate(system->E, MAT_DO_NOT_COPY_VALUES, &system->K));
   PetscCall(MatCreateVecs(system->E, NULL, &system->ambient));
   PetscCall(VecZeroEntries(system->ambient));
   PetscCall(VecGetLocalSize(system->ambient, &n_local));
@@ -216,7 +299,7 @@ PetscErrorCode thermal_system_create(MouldMesh *mesh, const ReduceConfig *config
   PetscCall(attach_materials(mesh->dm, fe, config));
   PetscCall(allocate(mesh, system));
   PetscCall(integrate_cells(mesh->dm, ds, system->E, system->K));
-  PetscCall(integrate_patches(mesh, ds, system));
+  PetscCall(integrate_patches(mesh, ds, fe, system));
   PetscCall(mark_symmetric(system->E));
   PetscCall(mark_symmetric(system->K));
   PetscCall(PetscFEDestroy(&fe));
