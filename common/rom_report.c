@@ -222,6 +222,8 @@ static void report_certificate(FILE *out, const RomData *rom)
     fprintf(out, "  second stage, a-priori bound: %.3g K/W\n", certificate->second_stage_bound);
   if (certificate->moment_error < 1e-3)
     fprintf(out, "  moments matched to %.2g\n", certificate->moment_error);
+  else if (isnan(certificate->moment_error) && certificate->second_stage_bound > 0.0)
+    fprintf(out, "  moments at the shifts: not kept after the second stage\n");
   else if (!isnan(certificate->moment_error))
     fprintf(out, "  moments at the shifts are not matched (relative difference %.2g)%s\n", certificate->moment_error,
             certificate->second_stage_bound > 0.0 ? ": the second stage does not keep them" : "");

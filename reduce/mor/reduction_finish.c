@@ -124,7 +124,10 @@ PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *cer
       reference->error + PetscMax(certificate->step_error_max, reduction->step_error + reduction->second_stage_error);
   certificate->met = certificate->step_error_max <= config->tolerance;
   certificate->sampled_patches = reference->n_patches;
-  PetscCall(moments_compare(reduction->moments, reduction->modal, reference->u, &certificate->moment_error));
+  if (reduction->second_stage_error > 0.0) // the second stage keeps responses, not moments
+    certificate->moment_error = (double)NAN;
+  else
+    PetscCall(moments_compare(reduction->moments, reduction->modal, reference->u, &certificate->moment_error));
   certificate->second_stage_bound = reduction->second_stage_bound;
   PetscCall(certificate_orthogonality(reduction->system, V, &certificate->orthogonality));
   PetscCall(certify_transfer(reduction, V, certificate));

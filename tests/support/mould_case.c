@@ -142,8 +142,8 @@ static PetscErrorCode read_outputs(const ThermalSystem *system, Mat theta, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal t_first, PetscInt n_times,
-                                   PetscInt steps, PetscReal *temperature)
+PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal t_first, PetscReal ratio,
+                                   PetscInt n_times, PetscInt steps, PetscReal *temperature)
 {
   Mat M, theta, v, rhs;
   KSP ksp;
@@ -160,7 +160,8 @@ PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal
   PetscCall(MatMatMult(system->K, theta, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &rhs));
   PetscCall(KSPCreate(PetscObjectComm((PetscObject)system->E), &ksp));
   for (PetscInt i = 0; i < n_times; i++) {
-    const PetscReal span = i == 0 ? t_first : t_first * pow(2.0, (double)i - 1.0), dt = span / (PetscReal)steps;
+    const PetscReal span = i == 0 ? t_first : t_first * pow(ratio, (double)i - 1.0) * (ratio - 1.0);
+    const PetscReal dt = span / (PetscReal)steps;
     PetscCall(factorise(system, dt, ksp, M));
     for (PetscInt step = 0; step < steps; step++) PetscCall(advance(system, ksp, dt, d, F, theta, v, rhs));
     PetscCall(read_outputs(system, theta, temperature + (size_t)i * (size_t)k * (size_t)system->m));

@@ -24,10 +24,10 @@ ReductionConfig rational_config(void);
 ReductionConfig arnoldi_config(void);
 
 /* Step responses of the full model: heat F [n x k] switched on at t = 0, temperatures out [n_times x k x m] of all
- * patches at t_first 2^i, i < n_times. L-stable singly diagonally implicit scheme of order 5, `steps` equal steps up
- * to t_first and in each octave after. */
-PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal t_first, PetscInt n_times,
-                                   PetscInt steps, PetscReal *temperature);
+ * patches at t_first ratio^i, i < n_times. L-stable singly diagonally implicit scheme of order 5, `steps` equal steps
+ * up to t_first and from each time to the next. */
+PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal t_first, PetscReal ratio,
+                                   PetscInt n_times, PetscInt steps, PetscReal *temperature);
 /* The same of the reduced model by the exact solution, for patch j's step: [m] at time t. */
 void reduced_step_response(const ReducedModel *model, PetscInt j, PetscReal t, PetscReal *temperature);
 

@@ -51,7 +51,7 @@ static Errors measure(int layers, double grading, bool reduce)
   ReductionConfig config = rational_config();
   double temperature[OCTAVES * 3 * 3], *now, reduced[3];
   TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
-  TEST_PETSC(full_step_responses(mould.system, mould.system->B, T_FIRST, OCTAVES, STEPS, temperature));
+  TEST_PETSC(full_step_responses(mould.system, mould.system->B, T_FIRST, 2.0, OCTAVES, STEPS, temperature));
   if (reduce) TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &model));
   for (int i = 0; i < OCTAVES; i++) { // input and output: patch 0 of 3, 1 W
     const double t = T_FIRST * pow(2.0, i), exact = exact_rise(&box, 1.0 / area, t);
