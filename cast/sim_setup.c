@@ -128,6 +128,11 @@ CastStatus sim_setup_geometry(Sim *sim, CastError *err)
   const CastConfig *c = sim->config;
   sim->rom = c->loaded_rom;
   if (!sim->rom) CAST_CALL(rom_read(c->rom_path, &sim->rom, err));
+  CAST_CHECK(
+      sim->rom->n_triangles > 0, err, CAST_ERR_INPUT,
+      "rom: '%s' was reduced from matrices and has no geometry: there is no cavity to pour into. castreduce makes "
+      "one that has from a mould.yaml with a geometry",
+      c->rom_path);
   CAST_CALL(hash_file(c->rom_path, sim->rom_sha256, err));
   const double support = kernel_support(c->kernel) * c->smoothing * c->spacing;
   CAST_CALL(surface_create(sim->rom, support + neighbours_skin(c->spacing), &sim->surface, err));

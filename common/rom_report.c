@@ -243,7 +243,7 @@ static void report_provenance(FILE *out, const RomData *rom)
   fprintf(out, "\nProvenance\n");
   report_text(out, "command", provenance->command);
   report_text(out, "input", provenance->input_path);
-  report_text(out, "geometry", provenance->geometry_sha256);
+  report_text(out, rom->n_triangles > 0 ? "geometry" : "matrices", provenance->geometry_sha256);
   for (size_t i = 0; i < rom->n_materials; i++) report_text(out, rom->material[i].region, rom->material[i].sha256);
   report_text(out, "libraries", provenance->libraries);
   fprintf(out, "  time       mesh %s, assembly %s, reduction %s, certificate %s, on %d rank%s\n",

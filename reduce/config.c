@@ -91,7 +91,10 @@ static CastStatus read_output(YamlNode output, ReduceConfig *config, CastError *
 {
   const YamlNode file = yaml_require(output, "file");
   const char *name = yaml_string(file, NULL);
-  config->band = yaml_quantity(yaml_require(output, "band"), "m", YAML_POSITIVE, NAN);
+  const YamlNode band = config->matrices ? yaml_get(output, "band") : yaml_require(output, "band");
+  if (config->matrices && yaml_exists(band)) yaml_problem(band, "matrices have no cavity wall: leave this out");
+  config->band = yaml_quantity(band, "m", YAML_POSITIVE, NAN);
+  if (config->matrices) config->band = 0.0;
   if (!name) return CAST_OK;
   if (!ends_with(name, ".rom.h5")) yaml_problem(file, "'%s': a name that ends in '.rom.h5' is expected", name);
   config->rom_path = config_resolve_path(config->input_path, name);
@@ -99,12 +102,8 @@ static CastStatus read_output(YamlNode output, ReduceConfig *config, CastError *
   return CAST_OK;
 }
 
-static CastStatus read_sections(YamlInput *input, ReduceConfig *config, CastError *err)
+static CastStatus read_mould(YamlNode root, ReduceConfig *config, CastError *err)
 {
-  const YamlNode root = yaml_root(input);
-  const char *slash = strrchr(config->input_path, '/');
-  config->title = strdup(yaml_string(yaml_get(root, "title"), slash ? slash + 1 : config->input_path));
-  CAST_CHECK(config->title, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
   CAST_CALL(config_read_geometry(yaml_require(root, "geometry"), config, err));
   CAST_CALL(read_regions(yaml_require(root, "regions"), config, err));
   CAST_CALL(config_read_surfaces(root, config, err));
@@ -114,6 +113,17 @@ static CastStatus read_sections(YamlInput *input, ReduceConfig *config, CastErro
     const YamlNode mesh = yaml_get(root, "mesh");
     if (yaml_exists(mesh)) yaml_problem(mesh, "the geometry is a ready mesh: nothing is meshed, leave this out");
   }
+  return CAST_OK;
+}
+
+static CastStatus read_sections(YamlInput *input, ReduceConfig *config, CastError *err)
+{
+  const YamlNode root = yaml_root(input);
+  const char *slash = strrchr(config->input_path, '/');
+  config->title = strdup(yaml_string(yaml_get(root, "title"), slash ? slash + 1 : config->input_path));
+  CAST_CHECK(config->title, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
+  const bool matrices = yaml_exists(yaml_get(root, "matrices"));
+  CAST_CALL(matrices ? config_read_matrices(root, config, err) : read_mould(root, config, err));
   CAST_CALL(config_read_reduction(yaml_require(root, "reduction"), &config->reduction, err));
   return read_output(yaml_require(root, "output"), config, err);
 }
@@ -153,6 +163,7 @@ void reduce_config_destroy(ReduceConfig **config)
   free(old->boundary);
   free(old->cavity);
   free(old->reduction.shifts);
+  config_matrices_destroy(&old->matrices);
   free(old->title);
   free(old->geometry_path);
   free(old->rom_path);

@@ -57,12 +57,19 @@ typedef struct ReductionConfig {
   bool iterative;        // force CG + AMG; default: by size
 } ReductionConfig;
 
+typedef struct MatricesConfig { // a model that another program has assembled, as Matrix Market files
+  char *E, *K, *B, *C;          // resolved against the input file's folder; C NULL: B^T
+  bool K_is_A;                  // the file K holds A = -K
+  bool flux;                    // the columns of B are those of a flux, W/m2, not of watts
+} MatricesConfig;
+
 typedef struct ReduceConfig {
   char *title;
+  MatricesConfig *matrices;   // instead of geometry, regions, boundaries, cavity and mesh; NULL: from geometry
   char *geometry_path;        // resolved against the input file's folder
   GeometryKind geometry_kind; // by the file's extension
   double geometry_unit;       // m: length of one unit of the geometry's numbers
-  char geometry_sha256[65];
+  char geometry_sha256[65];   // of the geometry file; of the matrix files' digests one after the other
   size_t n_groups;
   GroupConfig *group;
   size_t n_regions;

@@ -7,6 +7,9 @@
 #include "reduce/config.h"
 
 CastStatus config_read_geometry(YamlNode geometry, ReduceConfig *config, CastError *err);
+/* The section `matrices`, which takes the place of geometry, regions, boundaries, cavity and mesh. */
+CastStatus config_read_matrices(YamlNode root, ReduceConfig *config, CastError *err);
+void config_matrices_destroy(MatricesConfig **matrices);
 CastStatus config_read_surfaces(YamlNode root, ReduceConfig *config, CastError *err);
 CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, CastError *err);
 

@@ -3,6 +3,16 @@
 
 #include <math.h>
 
+static void print_matrices(const MatricesConfig *matrices, FILE *out)
+{
+  fprintf(out, "matrices.E              %s, in J/K\n", matrices->E);
+  fprintf(out, "matrices.%s              %s, in W/K\n", matrices->K_is_A ? "A" : "K", matrices->K);
+  fprintf(out, "matrices.B              %s, %s\n", matrices->B,
+          matrices->flux ? "of a flux in W/m2: each column is divided by its sum, the patch's area in m2"
+                         : "of watts: each column sums to 1");
+  fprintf(out, "matrices.C              %s\n", matrices->C ? matrices->C : "B^T");
+}
+
 static void print_geometry(const ReduceConfig *config, FILE *out)
 {
   fprintf(out, "geometry.file           %s\n", config->geometry_path);
@@ -74,13 +84,17 @@ static void print_reduction(const ReductionConfig *reduction, FILE *out)
 void reduce_config_print(const ReduceConfig *config, FILE *out)
 {
   fprintf(out, "title                   %s\n", config->title);
-  print_geometry(config, out);
-  print_regions(config, out);
-  print_surfaces(config, out);
-  if (config->geometry_kind != GEOMETRY_MESH)
+  if (config->matrices) {
+    print_matrices(config->matrices, out);
+  } else {
+    print_geometry(config, out);
+    print_regions(config, out);
+    print_surfaces(config, out);
+  }
+  if (!config->matrices && config->geometry_kind != GEOMETRY_MESH)
     fprintf(out, "mesh                    grows by %g per length from the cavity wall, up to %g m\n", config->growth,
             config->outside_size);
   print_reduction(&config->reduction, out);
   fprintf(out, "output.file             %s\n", config->rom_path);
-  fprintf(out, "output.band             %g m\n", config->band);
+  if (!config->matrices) fprintf(out, "output.band             %g m\n", config->band);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 #include "reduce/collective.h"
+#include "reduce/io/matrix_system.h"
 #include "reduce/io/rom_output.h"
 #include "reduce/mesh/mould_geometry.h"
 #include "reduce/pipeline_report.h"
@@ -87,6 +88,34 @@ static PetscErrorCode start(Pipeline *pipeline)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Mesh and finite elements. */
+static PetscErrorCode assemble_geometry(Pipeline *pipeline, RomOutputRun *run)
+{
+  const double begin = log_wall_time();
+
+  PetscFunctionBeginUser;
+  log_info(pipeline->log, "meshing %s", pipeline->config->geometry_path);
+  PetscCall(mould_mesh_create(pipeline->comm, pipeline->config, &pipeline->mesh));
+  const double meshed = log_wall_time();
+  run->seconds_mesh = meshed - begin;
+  PetscCall(pipeline_report_mesh(pipeline->mesh, pipeline->config, run->seconds_mesh, pipeline->log));
+  PetscCall(thermal_system_create(pipeline->mesh, pipeline->config, &pipeline->system));
+  run->seconds_assembly = log_wall_time() - meshed;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode read_matrices(Pipeline *pipeline, RomOutputRun *run)
+{
+  const double begin = log_wall_time();
+
+  PetscFunctionBeginUser;
+  log_info(pipeline->log, "reading %s, %s, %s", pipeline->config->matrices->E, pipeline->config->matrices->K,
+           pipeline->config->matrices->B);
+  PetscCall(matrix_system_create(pipeline->comm, pipeline->config, &pipeline->system));
+  run->seconds_assembly = log_wall_time() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode run_steps(Pipeline *pipeline)
 {
   RomOutputRun run = {.command = pipeline->task->command, .log = pipeline->log};
@@ -95,16 +124,13 @@ static PetscErrorCode run_steps(Pipeline *pipeline)
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(pipeline->comm, &size));
   log_info(pipeline->log, "%s", pipeline->config->title);
-  log_info(pipeline->log, "meshing %s on %d %s", pipeline->config->geometry_path, size, size == 1 ? "rank" : "ranks");
   const double begin = log_wall_time();
-  PetscCall(mould_mesh_create(pipeline->comm, pipeline->config, &pipeline->mesh));
-  const double meshed = log_wall_time();
-  run.seconds_mesh = meshed - begin;
-  PetscCall(pipeline_report_mesh(pipeline->mesh, pipeline->config, run.seconds_mesh, pipeline->log));
-  PetscCall(thermal_system_create(pipeline->mesh, pipeline->config, &pipeline->system));
-  run.seconds_assembly = log_wall_time() - meshed;
-  log_info(pipeline->log, "assembled %" PetscInt_FMT " unknowns, %" PetscInt_FMT " patches (%.1f s)",
-           pipeline->system->n, pipeline->system->m, run.seconds_assembly);
+  if (pipeline->config->matrices)
+    PetscCall(read_matrices(pipeline, &run));
+  else
+    PetscCall(assemble_geometry(pipeline, &run));
+  log_info(pipeline->log, "%" PetscInt_FMT " unknowns, %" PetscInt_FMT " patches, on %d %s (%.1f s)",
+           pipeline->system->n, pipeline->system->m, size, size == 1 ? "rank" : "ranks", run.seconds_assembly);
   PetscCall(reduced_model_create(pipeline->system, &pipeline->config->reduction, pipeline->log, &pipeline->model));
   PetscCall(rom_output_write(pipeline->config, pipeline->mesh, pipeline->system, pipeline->model, &run));
   log_info(pipeline->log, "wrote %s: %" PetscInt_FMT " states for %" PetscInt_FMT " unknowns (%.1f s in all)",
@@ -137,8 +163,15 @@ PetscErrorCode pipeline_run(MPI_Comm comm, const PipelineTask *task)
   PetscFunctionReturn(ierr);
 }
 
-static CastStatus check_geometry(const ReduceConfig *config, CastError *err)
+static CastStatus check_model(const ReduceConfig *config, CastError *err)
 {
+  if (config->matrices) {
+    char summary[256];
+    CAST_CALL(matrix_system_check(config, summary, sizeof summary, err));
+    reduce_config_print(config, stdout);
+    printf("matrices                %s\n", summary);
+    return CAST_OK;
+  }
   MouldGeometry *geometry = NULL;
   CAST_CALL(mould_geometry_open(config, &geometry, err));
   reduce_config_print(config, stdout);
@@ -158,7 +191,7 @@ PetscErrorCode pipeline_check(MPI_Comm comm, const PipelineTask *task)
   PetscCallMPI(MPI_Comm_rank(comm, &pipeline.rank));
   ierr = read_config(&pipeline);
   if (!ierr) {
-    if (pipeline.rank == 0) status = check_geometry(pipeline.config, &err);
+    if (pipeline.rank == 0) status = check_model(pipeline.config, &err);
     ierr = collective_check(comm, status, &err);
   }
   reduce_config_destroy(&pipeline.config);

@@ -11,8 +11,9 @@ typedef struct PipelineTask {
   bool quiet;             // no messages but warnings on the terminal
 } PipelineTask;
 
-/* mould.yaml -> mesh -> E, K, B -> reduced model -> ROM file. Messages go to the terminal and to a log beside the ROM
- * file. Collective; user's faults are PETSC_ERR_USER with a message for a person, raised by all ranks. */
+/* mould.yaml -> mesh (or files) -> E, K, B -> reduced model -> ROM file. Messages go to the terminal and to a log
+ * beside the ROM file. Collective; user's faults are PETSC_ERR_USER with a message for a person, raised by all ranks.
+ */
 PetscErrorCode pipeline_run(MPI_Comm comm, const PipelineTask *task);
 /* Read the input and open the geometry, without meshing; print on rank 0 everything as it was understood. Collective.
  */

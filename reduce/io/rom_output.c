@@ -27,7 +27,7 @@ static PetscErrorCode measure_heat_capacity(const ThermalSystem *system, double 
 static CastStatus describe_materials(const ReduceConfig *config, RomData *rom, CastError *err)
 {
   rom->n_materials = config->n_regions;
-  rom->material = calloc(config->n_regions, sizeof *rom->material);
+  rom->material = calloc(config->n_regions + 1, sizeof *rom->material); // none is no reason for NULL
   CAST_CHECK(rom->material, err, CAST_ERR_MEMORY, "no memory for the ROM's materials");
   for (size_t i = 0; i < config->n_regions; i++) {
     const Material *from = &config->region[i].material;
@@ -72,6 +72,19 @@ static void describe_geometry(const MouldMesh *mesh, const WallGeometry *geometr
   rom->tetrahedra = geometry->tetrahedra;
 }
 
+/* Inputs of a model from matrices: all that is known of them is their area. */
+static CastStatus describe_inputs(const ThermalSystem *system, RomData *rom, CastError *err)
+{
+  rom->patch = calloc((size_t)system->m, sizeof *rom->patch);
+  CAST_CHECK(rom->patch, err, CAST_ERR_MEMORY, "no memory for %d inputs", (int)system->m);
+  for (PetscInt l = 0; l < system->m; l++) {
+    snprintf(rom->patch[l].name, sizeof rom->patch[l].name, "inputs/%d", (int)l + 1);
+    snprintf(rom->patch[l].surface, sizeof rom->patch[l].surface, "inputs");
+    rom->patch[l].area = system->area[l];
+  }
+  return CAST_OK;
+}
+
 static void describe_task(const ReduceConfig *config, RomData *rom)
 {
   rom->title = config->title;
@@ -105,10 +118,11 @@ static CastStatus write_file(const ReduceConfig *config, const ReducedModel *mod
 PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mesh, const ThermalSystem *system,
                                 const ReducedModel *model, const RomOutputRun *run)
 {
-  MPI_Comm comm = PetscObjectComm((PetscObject)mesh->dm);
+  MPI_Comm comm = PetscObjectComm((PetscObject)system->E);
   CastError err = {CAST_OK, ""};
   CastStatus status = CAST_OK;
-  WallGeometry geometry;
+  WallGeometry geometry = {0};
+  RomPatch *inputs = NULL;
   RomData rom = {0};
   PetscMPIInt rank;
 
@@ -116,17 +130,23 @@ PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mes
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Comm_size(comm, &rom.provenance.ranks));
   PetscCall(measure_heat_capacity(system, &rom.heat_capacity));
-  PetscCall(wall_geometry_gather(mesh, model->V, config->band, &geometry));
-  PetscCheck(geometry.r == model->r, comm, PETSC_ERR_ARG_INCOMP,
-             "the basis has %" PetscInt_FMT " columns for %" PetscInt_FMT " states", geometry.r, model->r);
   describe_model(system, model, &rom);
-  describe_geometry(mesh, &geometry, &rom);
-  if (rank == 0) {
+  if (mesh) {
+    PetscCall(wall_geometry_gather(mesh, model->V, config->band, &geometry));
+    PetscCheck(geometry.r == model->r, comm, PETSC_ERR_ARG_INCOMP,
+               "the basis has %" PetscInt_FMT " columns for %" PetscInt_FMT " states", geometry.r, model->r);
+    describe_geometry(mesh, &geometry, &rom);
+  } else {
+    status = describe_inputs(system, &rom, &err);
+    inputs = rom.patch;
+  }
+  if (rank == 0 && status == CAST_OK) {
     status = write_file(config, model, run, &rom, &err);
-    if (status == CAST_OK)
+    if (status == CAST_OK && mesh)
       log_info(run->log, "near-wall geometry: %zu triangles, %zu tetrahedra within %.3g mm of the cavity, %zu points",
                geometry.n_triangles, geometry.n_tetrahedra, config->band * 1e3, geometry.n_points);
   }
+  free(inputs);
   PetscCall(wall_geometry_destroy(&geometry));
   PetscCall(collective_check(comm, status, &err));
   PetscFunctionReturn(PETSC_SUCCESS);

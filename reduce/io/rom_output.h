@@ -10,7 +10,8 @@ typedef struct RomOutputRun { // what the file says of the run that made it
   Log *log;
 } RomOutputRun;
 
-/* Gather the boundary triangles, the band's tetrahedra and the basis on their points, and write config->rom_path.
+/* mesh NULL: a model from matrices, without geometry; its patches are called inputs/1, inputs/2, ..
+ * Gather the boundary triangles, the band's tetrahedra and the basis on their points, and write config->rom_path.
  * The contents are sorted by place, so that they do not depend on how the mesh was distributed. Collective. */
 PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mesh, const ThermalSystem *system,
                                 const ReducedModel *model, const RomOutputRun *run);
