@@ -52,7 +52,7 @@ typedef struct RomCertificate {
   long sampled_patches;      // how many step inputs were followed
   double moment_error;       // relative difference of the moments matched; NAN unless checked
   double orthogonality;      // max |V^T E V - I|
-  double second_stage_bound; // a-priori bound of the second stage, K/W; 0 if there was none
+  double second_stage_bound; // change by the second stage, K/W: a priori where balanced, else found; 0: none
   bool met;                  // step_error_max <= tolerance
 } RomCertificate;
 

@@ -219,7 +219,8 @@ static void report_certificate(FILE *out, const RomData *rom)
     fprintf(out, "    w = %-10.3g rad/s  %s\n", certificate->frequency[i],
             percent(certificate->transfer_bound[i], text));
   if (certificate->second_stage_bound > 0.0)
-    fprintf(out, "  second stage, a-priori bound: %.3g K/W\n", certificate->second_stage_bound);
+    fprintf(out, "  second stage: changes the transfer function by at most %.3g K/W\n",
+            certificate->second_stage_bound);
   if (certificate->moment_error < 1e-3)
     fprintf(out, "  moments matched to %.2g\n", certificate->moment_error);
   else if (isnan(certificate->moment_error) && certificate->second_stage_bound > 0.0)

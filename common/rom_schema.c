@@ -79,7 +79,9 @@ const RomField rom_fields[] = {
     {"certificate/orthogonality",
      DATA(ROM_DOUBLE, certificate.orthogonality, "1", "largest entry of |V^T E V - I|; NaN: not computed")},
     {"certificate/second_stage_bound",
-     DATA(ROM_DOUBLE, certificate.second_stage_bound, "K/W", "a-priori bound of the second stage; 0: there was none")},
+     DATA(ROM_DOUBLE, certificate.second_stage_bound, "K/W",
+          "second stage's change of the transfer function: a-priori bound of balanced truncation, else the largest "
+          "found; 0: none")},
     {"certificate/met", DATA(ROM_BOOL, certificate.met, "1", "1: step_error_max is within the tolerance")},
 
     {"provenance/program", DATA(ROM_TEXT, provenance.program, "", "who wrote the file")},

@@ -41,7 +41,7 @@ typedef struct GroupConfig { // names for a geometry that has none (STEP): entit
   bool rest;     // all volumes, or all boundary surfaces, that no other group holds
 } GroupConfig;
 
-typedef enum ReductionMethod { REDUCTION_RATIONAL, REDUCTION_ARNOLDI } ReductionMethod;
+typedef enum ReductionMethod { REDUCTION_RATIONAL, REDUCTION_ARNOLDI, REDUCTION_MODAL } ReductionMethod;
 
 typedef struct ReductionConfig {
   ReductionMethod method;
@@ -49,10 +49,12 @@ typedef struct ReductionConfig {
   double tolerance;      // of patch temperatures over their largest rise
   long moments;          // arnoldi: q at s0
   double s0;             // 1/s, arnoldi's expansion point
+  long modes;            // modal: how many of the slowest; 0: five an input
   size_t n_shifts;       // rational: 0 = chosen by the program
   double *shifts;        // 1/s
   double deflation;      // relative size below which a direction is dropped
   bool second_stage;     // balanced second stage
+  double early_weight;   // its p: 0 balanced truncation, with an a-priori bound; above 0 the early response counts more
   double solver_rtol;    // of iterative solves
   bool iterative;        // force CG + AMG; default: by size
 } ReductionConfig;
@@ -92,6 +94,7 @@ CastStatus reduce_config_read(const char *path, const char *text, ReduceConfig *
 void reduce_config_destroy(ReduceConfig **config);
 /* Everything as it was understood, in SI, one setting a line. */
 void reduce_config_print(const ReduceConfig *config, FILE *out);
+const char *reduce_config_method(ReductionMethod method); // "rational" and so on
 /* A named surface by its index: the cavity's come first, then the outer ones. */
 const char *reduce_config_surface_name(const ReduceConfig *config, size_t surface);
 

@@ -41,28 +41,47 @@ static CastStatus read_shifts(YamlNode shifts, ReductionConfig *config, CastErro
   return CAST_OK;
 }
 
+static const char *const METHODS[] = {"rational", "arnoldi", "modal", NULL}; // in the order of ReductionMethod
+
+const char *reduce_config_method(ReductionMethod method)
+{
+  return METHODS[method];
+}
+
+/* The settings of the methods; those of the others are refused. */
+static CastStatus read_method(YamlNode reduction, ReductionConfig *config, CastError *err)
+{
+  const YamlNode moments = yaml_get(reduction, "moments"), s0 = yaml_get(reduction, "s0");
+  const YamlNode shifts = yaml_get(reduction, "shifts"), modes = yaml_get(reduction, "modes");
+  const char *method = METHODS[config->method];
+  if (config->method != REDUCTION_ARNOLDI) {
+    refuse(moments, method);
+    refuse(s0, method);
+  }
+  if (config->method != REDUCTION_MODAL) refuse(modes, method);
+  if (config->method != REDUCTION_RATIONAL) refuse(shifts, method);
+  if (config->method == REDUCTION_ARNOLDI) {
+    config->moments = yaml_integer(moments, 1, 1000, 5);
+    config->s0 = yaml_quantity(s0, "1/s", YAML_NON_NEGATIVE, 0.0);
+  }
+  if (config->method == REDUCTION_MODAL) config->modes = yaml_integer(modes, 1, 100000, 0);
+  return config->method == REDUCTION_RATIONAL ? read_shifts(shifts, config, err) : CAST_OK;
+}
+
 CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, CastError *err)
 {
-  static const char *const methods[] = {"rational", "arnoldi", NULL}, *const solvers[] = {"automatic", "iterative",
-                                                                                          NULL};
-  config->method = (ReductionMethod)yaml_choice(yaml_get(reduction, "method"), methods, REDUCTION_RATIONAL);
+  static const char *const solvers[] = {"automatic", "iterative", NULL};
+  config->method = (ReductionMethod)yaml_choice(yaml_get(reduction, "method"), METHODS, REDUCTION_RATIONAL);
   read_times(yaml_require(reduction, "times"), config);
   config->tolerance = yaml_quantity(yaml_get(reduction, "tolerance"), "1", (YamlRange){0.0, 1.0, true}, 1e-3);
   config->deflation = yaml_quantity(yaml_get(reduction, "deflation"), "1", (YamlRange){0.0, 0.1, true}, 1e-8);
   config->second_stage = yaml_boolean(yaml_get(reduction, "second_stage"), config->method == REDUCTION_RATIONAL);
   config->iterative = yaml_choice(yaml_get(reduction, "solver"), solvers, 0) == 1;
+  const YamlNode early = yaml_get(reduction, "second_stage_weight");
+  if (!config->second_stage && yaml_exists(early)) yaml_problem(early, "there is no second stage");
+  config->early_weight = yaml_quantity(early, "1", (YamlRange){0.0, 0.9, false}, 0.4);
   // moments build on one another and must be exact; a basis need only be much better than the model made of it
   const double rtol = config->method == REDUCTION_ARNOLDI ? 1e-12 : 1e-2 * config->tolerance;
   config->solver_rtol = yaml_quantity(yaml_get(reduction, "solver_tolerance"), "1", (YamlRange){0.0, 0.1, true}, rtol);
-  const YamlNode moments = yaml_get(reduction, "moments"), s0 = yaml_get(reduction, "s0");
-  const YamlNode shifts = yaml_get(reduction, "shifts");
-  if (config->method == REDUCTION_ARNOLDI) {
-    refuse(shifts, "arnoldi");
-    config->moments = yaml_integer(moments, 1, 1000, 5);
-    config->s0 = yaml_quantity(s0, "1/s", YAML_NON_NEGATIVE, 0.0);
-    return CAST_OK;
-  }
-  refuse(moments, "rational");
-  refuse(s0, "rational");
-  return read_shifts(shifts, config, err);
+  return read_method(reduction, config, err);
 }

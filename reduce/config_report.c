@@ -66,17 +66,22 @@ static void print_surfaces(const ReduceConfig *config, FILE *out)
 
 static void print_reduction(const ReductionConfig *reduction, FILE *out)
 {
-  fprintf(out, "reduction.method        %s\n", reduction->method == REDUCTION_ARNOLDI ? "arnoldi" : "rational");
+  fprintf(out, "reduction.method        %s\n", reduce_config_method(reduction->method));
   fprintf(out, "reduction.times         %g s to %g s\n", reduction->t_start, reduction->t_end);
   fprintf(out, "reduction.tolerance     %g\n", reduction->tolerance);
   if (reduction->method == REDUCTION_ARNOLDI)
     fprintf(out, "reduction.moments       %ld at s0 = %g 1/s\n", reduction->moments, reduction->s0);
+  else if (reduction->method == REDUCTION_MODAL && reduction->modes == 0)
+    fprintf(out, "reduction.modes         five an input\n");
+  else if (reduction->method == REDUCTION_MODAL)
+    fprintf(out, "reduction.modes         %ld\n", reduction->modes);
   else if (reduction->n_shifts == 0)
     fprintf(out, "reduction.shifts        chosen by the program\n");
   for (size_t i = 0; i < reduction->n_shifts; i++)
     fprintf(out, "reduction.shifts        %g 1/s\n", reduction->shifts[i]);
   fprintf(out, "reduction.deflation     %g\n", reduction->deflation);
   fprintf(out, "reduction.second_stage  %s\n", reduction->second_stage ? "yes" : "no");
+  if (reduction->second_stage) fprintf(out, "reduction.second_stage_weight  %g\n", reduction->early_weight);
   fprintf(out, "reduction.solver        %s, tolerance %g where it iterates\n",
           reduction->iterative ? "iterative" : "automatic", reduction->solver_rtol);
 }

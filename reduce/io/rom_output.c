@@ -92,8 +92,7 @@ static void describe_task(const ReduceConfig *config, RomData *rom)
   rom->tolerance = config->reduction.tolerance;
   rom->t_start = config->reduction.t_start;
   rom->t_end = config->reduction.t_end;
-  snprintf(rom->method, sizeof rom->method, "%s",
-           config->reduction.method == REDUCTION_ARNOLDI ? "arnoldi" : "rational");
+  snprintf(rom->method, sizeof rom->method, "%s", reduce_config_method(config->reduction.method));
 }
 
 /* `rom` holds what mesh, system and model gave; everything in it is borrowed but materials and provenance. */

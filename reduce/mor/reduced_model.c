@@ -72,6 +72,8 @@ PetscErrorCode reduced_model_create(const ThermalSystem *system, const Reduction
   PetscCall(reduction_create(system, config, log, &reduction));
   if (config->method == REDUCTION_ARNOLDI)
     PetscCall(reduction_run_arnoldi(reduction));
+  else if (config->method == REDUCTION_MODAL)
+    PetscCall(reduction_run_modal(reduction));
   else
     PetscCall(reduction_run_rational(reduction));
   PetscCall(reduction_shorten(reduction));

@@ -10,6 +10,7 @@
 
 #include "reduce/mor/shifts.h"
 #include "reduce/mor/dense_block.h"
+#include "reduce/mor/modes.h"
 #include "reduce/petsc_compat.h"
 
 enum {
@@ -19,6 +20,7 @@ enum {
 
 static const PetscReal REFERENCE_SHARE = 0.01;  // of the tolerance: the reference's own error
 static const PetscReal FIRST_STAGE_SHARE = 0.6; // of the tolerance, where a second stage follows
+static const PetscReal MODES_RTOL = 1e-11;      // what shift-and-invert Lanczos needs inside
 static const PetscReal POLE_REACH = 2.2;        // a shift within this ratio of a window's pole serves it
 
 PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log, Reduction **out)
@@ -255,6 +257,28 @@ PetscErrorCode reduction_run_arnoldi(Reduction *reduction)
   PetscCall(moments_create(reduction->reference->n_inputs, reduction->p, &reduction->moments));
   PetscCall(moments_compute(reduction->moments, reduction->system, reduction->solver, reduction->ports,
                             reduction->reference->F, q));
+  PetscCall(solve_windows(reduction, PETSC_TRUE));
+  PetscCall(judge(reduction, NULL));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_run_modal(Reduction *reduction)
+{
+  const ReductionConfig *config = reduction->config;
+  const PetscInt k = config->modes > 0 ? (PetscInt)config->modes : PetscMin(5 * reduction->p, reduction->system->n / 4);
+  const double start = log_wall_time();
+
+  PetscFunctionBeginUser;
+  log_info(reduction->log, "reduction: %d unknowns, %d patches; the %d slowest modes", (int)reduction->system->n,
+           (int)reduction->system->m, (int)k);
+  PetscCall(krylov_basis_create(reduction->system, reduction->ports, 1 + k, PetscMax(reduction->p, 1),
+                                config->deflation, &reduction->basis));
+  shifted_solver_set_tolerance(reduction->solver, MODES_RTOL);
+  PetscCall(modes_add(reduction->basis, reduction->solver, 1.0 / config->t_end, k));
+  shifted_solver_set_tolerance(reduction->solver, config->solver_rtol);
+  log_info(reduction->log, "%d modes and the constant; %.1f s (%s)", (int)k, log_wall_time() - start,
+           shifted_solver_get_name(reduction->solver));
+  PetscCall(moments_create(reduction->reference->n_inputs, reduction->p, &reduction->moments)); // none are matched
   PetscCall(solve_windows(reduction, PETSC_TRUE));
   PetscCall(judge(reduction, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);

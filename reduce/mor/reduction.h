@@ -27,7 +27,7 @@ typedef struct Reduction {
   PetscInt moments_per_shift;
   PetscReal step_error;         // of the first stage, on the sampled inputs
   PetscReal second_stage_error; // what the second stage adds, on every input
-  PetscReal second_stage_bound; // K/W, of the transfer function
+  PetscReal second_stage_bound; // K/W, of the transfer function: a priori, or the largest difference found
   double seconds_reference;
 } Reduction;
 
@@ -37,6 +37,8 @@ PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConf
 PetscErrorCode reduction_run_arnoldi(Reduction *reduction);
 /* One block of solves at each of several real shifts, and more shifts until the step responses meet the tolerance. */
 PetscErrorCode reduction_run_rational(Reduction *reduction);
+/* The slowest modes, without regard to where heat enters. */
+PetscErrorCode reduction_run_modal(Reduction *reduction);
 /* Second stage, where the input asks for it. */
 PetscErrorCode reduction_shorten(Reduction *reduction);
 PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *certificate);

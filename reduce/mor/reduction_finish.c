@@ -50,20 +50,29 @@ PetscErrorCode reduction_shorten(Reduction *reduction)
 {
   const ReductionConfig *config = reduction->config;
   const StepReference *reference = reduction->reference;
-  const PetscReal allowed = 0.9 * (config->tolerance - reduction->step_error);
+  SecondStage stage = {.early_weight = config->early_weight,
+                       .singular = reduction->system->singular,
+                       .n_times = reference->n_times,
+                       .time = reference->time,
+                       .allowed = 0.9 * (config->tolerance - reduction->step_error)};
   ModalModel *smaller;
-  PetscReal *weight;
 
   PetscFunctionBeginUser;
-  if (!config->second_stage || allowed <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1((size_t)reduction->p, &weight));
-  PetscCall(port_weights(reduction, weight));
-  PetscCall(second_stage_truncate(reduction->modal, weight, reduction->system->singular, reference->n_times,
-                                  reference->time, allowed, &reduction->second_stage_error, &smaller));
-  PetscCall(PetscFree(weight));
+  if (!config->second_stage || stage.allowed <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((size_t)reduction->p, &stage.weight));
+  PetscCall(port_weights(reduction, stage.weight));
+  PetscCall(second_stage_truncate(reduction->modal, &stage, &smaller));
+  PetscCall(PetscFree(stage.weight));
+  reduction->second_stage_error = stage.reached;
   if (!smaller) PetscFunctionReturn(PETSC_SUCCESS);
   log_info(reduction->log, "second stage: %d states become %d", (int)reduction->modal->r, (int)smaller->r);
   PetscCall(compare_stages(reduction, smaller));
+  if (config->early_weight == 0.0) {
+    log_info(reduction->log,
+             "balanced truncation: a-priori bound %.3g K/W of the transfer function's error, %.3g K/W found",
+             (double)stage.bound, (double)reduction->second_stage_bound);
+    reduction->second_stage_bound = stage.bound;
+  }
   PetscCall(modal_model_destroy(&reduction->modal));
   reduction->modal = smaller;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -152,6 +161,11 @@ void reduction_report(const Reduction *reduction, const RomCertificate *certific
   else
     log_warn(reduction->log, "the tolerance %.2e is NOT met: the error is %.2e with %d states", config->tolerance,
              certificate->step_error_max, (int)reduction->modal->r);
+  if (config->method == REDUCTION_MODAL && !certificate->met)
+    log_warn(reduction->log,
+             "method modal: slow modes know little of where and when heat enters (error %.1f %%); "
+             "method rational reaches the tolerance",
+             100.0 * certificate->step_error_max);
   if (arnoldi && certificate->step_error_max > ARNOLDI_WARNING)
     log_warn(reduction->log,
              "method arnoldi: %ld moments at %g 1/s know little of times near %g s (error %.1f %%); method rational "

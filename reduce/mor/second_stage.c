@@ -13,8 +13,6 @@
 #include "reduce/mor/small_dense.h"
 #include "reduce/petsc_compat.h"
 
-static const PetscReal EARLY_WEIGHT = 0.4; // p: fewest states of 0, 0.25, 0.35, 0.4, 0.5, 0.75 on most moulds tried
-
 enum {
   MOST_INPUTS = 64, // inputs followed when responses are compared: every one up to here, then a sample
   MOST_TRIALS = 8   // orders tried
@@ -46,8 +44,9 @@ static PetscErrorCode gramian(const ModalModel *model, const PetscReal *weight, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Columns of U [r x r]: c, then the eigenvectors by falling Gramian value. */
-static PetscErrorCode balance(const ModalModel *model, const PetscReal *weight, PetscReal p, PetscReal *U)
+/* Columns of U [r x r]: c, then the eigenvectors by falling Gramian value; value [r] of each, 0 for c. */
+static PetscErrorCode balance(const ModalModel *model, const PetscReal *weight, PetscReal p, PetscReal *U,
+                              PetscReal *value)
 {
   const size_t r = (size_t)model->r;
   PetscReal *P, *w, length = 0.0;
@@ -58,8 +57,10 @@ static PetscErrorCode balance(const ModalModel *model, const PetscReal *weight, 
   PetscCall(small_eigen(model->comm, model->r, P, w));
   for (size_t i = 0; i < r; i++) length += model->constant[i] * model->constant[i];
   for (size_t i = 0; i < r; i++) U[i] = model->constant[i] / sqrt(length);
+  value[0] = 0.0;
   for (size_t k = 1; k < r; k++) { // r - 1 leading ones; c itself has the value 0 and comes last
     const PetscReal *vector = P + (r - k) * r;
+    value[k] = PetscMax(w[r - k], 0.0);
     PetscReal along = 0.0, left = 0.0;
     for (size_t i = 0; i < r; i++) along += U[i] * vector[i];
     for (size_t i = 0; i < r; i++) U[i + k * r] = vector[i] - along * U[i];
@@ -130,37 +131,46 @@ static PetscInt next_order(PetscInt too_few, PetscReal too_large, PetscInt enoug
   return PetscMin(PetscMax(guess, too_few + 1 + margin), enough - 1 - margin);
 }
 
-PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *weight, PetscBool singular,
-                                     PetscInt n_times, const PetscReal *time, PetscReal allowed, PetscReal *reached,
-                                     ModalModel **smaller)
+/* Twice the sum of the Hankel values behind the first k, for the ports as they are: weights are scaled away. */
+static PetscReal dropped_bound(const ModalModel *model, const SecondStage *stage, const PetscReal *value, PetscInt k)
+{
+  PetscReal sum = 0.0, scale = 0.0;
+  for (PetscInt i = model->r - 1; i >= k; i--) sum += value[i]; // the small ones first
+  for (PetscInt l = 0; l < model->p; l++) scale = PetscMax(scale, 1.0 / PetscSqr(stage->weight[l]));
+  return 2.0 * sum * scale;
+}
+
+PetscErrorCode second_stage_truncate(const ModalModel *model, SecondStage *stage, ModalModel **smaller)
 {
   const size_t r = (size_t)model->r;
+  const PetscReal allowed = stage->allowed;
   PetscInt too_few = 1, enough = model->r; // orders known to miss and to keep what is allowed
-  PetscReal too_large = 1.0, small = 1e-3 * allowed, *U;
+  PetscReal too_large = 1.0, small = 1e-3 * allowed, *U, *value;
 
   PetscFunctionBeginUser;
   *smaller = NULL;
-  *reached = 0.0;
-  PetscCall(PetscMalloc1(r * r, &U));
-  PetscCall(balance(model, weight, EARLY_WEIGHT, U));
+  stage->reached = stage->bound = 0.0;
+  PetscCall(PetscMalloc2(r * r, &U, r, &value));
+  PetscCall(balance(model, stage->weight, stage->early_weight, U, value));
   for (PetscInt trial = 0; trial < MOST_TRIALS && enough - too_few > PetscMax(1, enough / 50); trial++) {
     const PetscInt k = next_order(too_few, too_large, enough, small, allowed);
     ModalModel *candidate;
     PetscReal worst;
     if (k <= too_few || k >= enough) break;
-    PetscCall(modal_model_project(model, U, k, singular, &candidate));
-    PetscCall(deviation(model, candidate, n_times, time, &worst));
+    PetscCall(modal_model_project(model, U, k, stage->singular, &candidate));
+    PetscCall(deviation(model, candidate, stage->n_times, stage->time, &worst));
     if (worst <= allowed) {
       PetscCall(modal_model_destroy(smaller));
       *smaller = candidate;
-      *reached = small = worst;
+      stage->reached = small = worst;
       enough = k;
+      if (stage->early_weight == 0.0) stage->bound = dropped_bound(model, stage, value, k);
     } else {
       PetscCall(modal_model_destroy(&candidate));
       too_few = k;
       too_large = worst;
     }
   }
-  PetscCall(PetscFree(U));
+  PetscCall(PetscFree2(U, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,13 +4,23 @@
 
 #include "reduce/mor/modal_model.h"
 
-/* The smallest model whose step responses, for every input over the times, stay within `allowed` of the response's
+typedef struct SecondStage {
+  PetscReal *weight;      // [p] scale of each port in the Gramian
+  PetscReal early_weight; // p of the Gramian, see second_stage.c: 0 balanced truncation
+  PetscBool singular;     // as in modal_model_create
+  PetscInt n_times;
+  const PetscReal *time; // [n_times] s
+  PetscReal allowed;     // of the step responses' rise
+  PetscReal reached;     // out: by how much they differ; 0 without a smaller model
+  PetscReal bound;       // out, early_weight 0: twice the sum of the Hankel values dropped, K/W
+} SecondStage;
+
+/* The smallest model whose step responses, for every input over the times, stay within stage->allowed of the response's
  * largest rise so far from those of `model`. The constant temperature stays in the space exactly.
- *   weight [p]      scale of each port in the Gramian
- *   reached         out: by how much they differ; 0 without a smaller model
+ * With balanced truncation ||H(iw) - H_r(iw)||_2 <= bound where K is singular, for then the constant is a mode of its
+ * own; else the bound holds for the part that is balanced, and the constant, added to its space, only lessens the error
+ * at real s.
  * smaller == NULL: nothing can be dropped. */
-PetscErrorCode second_stage_truncate(const ModalModel *model, const PetscReal *weight, PetscBool singular,
-                                     PetscInt n_times, const PetscReal *time, PetscReal allowed, PetscReal *reached,
-                                     ModalModel **smaller);
+PetscErrorCode second_stage_truncate(const ModalModel *model, SecondStage *stage, ModalModel **smaller);
 
 #endif

@@ -39,6 +39,7 @@ ReductionConfig rational_config(void)
                            .tolerance = 1e-3,
                            .deflation = 1e-8,
                            .second_stage = true,
+                           .early_weight = 0.4,
                            .solver_rtol = 1e-13};
 }
 

@@ -116,6 +116,42 @@ static void second_stage_shortens_within_the_tolerance(void **state)
   release(&mould, &model);
 }
 
+/* Insulated, the constant is a mode itself, so the space holds nothing but modes: K v = lambda E v for each. */
+static void modal_finds_the_slowest_modes(void **state)
+{
+  (void)state;
+  MouldCase mould;
+  ReducedModel *model;
+  BoxMould box = SMALL_BOX;
+  ReductionConfig config = rational_config();
+  Vec v, Kv, Ev;
+  config.method = REDUCTION_MODAL;
+  config.modes = 12;
+  config.second_stage = false;
+  box.h_sides = box.h_top = 0.0;
+  reduce(&box, &config, &mould, &model);
+  assert_int_equal(model->r, 12);
+  assert_true(isnan(model->certificate.moment_error) && !model->certificate.met);
+  TEST_PETSC(MatCreateVecs(mould.system->K, &Ev, &Kv));
+  for (PetscInt k = 0; k < model->r; k++) {
+    PetscReal left, size;
+    TEST_PETSC(BVGetColumn(model->V, k, &v));
+    TEST_PETSC(MatMult(mould.system->K, v, Kv));
+    TEST_PETSC(MatMult(mould.system->E, v, Ev));
+    TEST_PETSC(BVRestoreColumn(model->V, k, &v));
+    TEST_PETSC(VecNorm(Ev, NORM_2, &size));
+    TEST_PETSC(VecAXPY(Kv, -model->lambda[k], Ev));
+    TEST_PETSC(VecNorm(Kv, NORM_2, &left));
+    assert_true(left <=
+                1e-5 * model->lambda[model->r - 1] * size); // eigenvalues to 1e-8: vectors to its root and better
+  }
+  PetscReal longest = PetscMax(box.size[0], PetscMax(box.size[1], box.size[2]));
+  ASSERT_CLOSE(model->lambda[1] * PetscSqr(longest / PETSC_PI) * 1800.0 * 1100.0, 1.0, 0.05); // coarse mesh, kappa = 1
+  TEST_PETSC(VecDestroy(&Ev));
+  TEST_PETSC(VecDestroy(&Kv));
+  release(&mould, &model);
+}
+
 static void insulated_mould_keeps_its_heat_for_ever(void **state)
 {
   (void)state;
@@ -281,6 +317,7 @@ int main(int argc, char **argv)
       cmocka_unit_test(ambient_alone_brings_every_patch_to_the_ambient_temperature),
       cmocka_unit_test(basis_is_orthonormal_and_modal),
       cmocka_unit_test(second_stage_shortens_within_the_tolerance),
+      cmocka_unit_test(modal_finds_the_slowest_modes),
       cmocka_unit_test(insulated_mould_keeps_its_heat_for_ever),
       cmocka_unit_test(moments_at_zero_of_an_insulated_mould_are_refused),
       cmocka_unit_test(shifts_that_the_user_gives_are_used_as_they_are),

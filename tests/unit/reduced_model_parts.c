@@ -152,7 +152,7 @@ static void second_stage_keeps_what_is_allowed_and_the_constant(void **state)
 {
   (void)state;
   enum { R = 24, TIMES = 9 };
-  PetscReal K[R * R] = {0}, B[R], constant[R], time[TIMES], weight = 1.0, reached, before = 0.0, after = 0.0;
+  PetscReal K[R * R] = {0}, B[R], constant[R], time[TIMES], weight = 1.0, before = 0.0, after = 0.0;
   PetscReal u = 1.0, z[R], full, reduced, at_end;
   ModalModel *model, *smaller;
   for (int k = 0; k < R; k++) {
@@ -163,10 +163,11 @@ static void second_stage_keeps_what_is_allowed_and_the_constant(void **state)
   }
   for (int t = 0; t < TIMES; t++) time[t] = pow(10.0, -2.0 + 0.5 * t);
   TEST_PETSC(modal_model_create(PETSC_COMM_SELF, R, 1, K, R, B, constant, PETSC_FALSE, &model));
-  TEST_PETSC(second_stage_truncate(model, &weight, PETSC_FALSE, TIMES, time, 1e-3, &reached, &smaller));
+  SecondStage stage = {.weight = &weight, .early_weight = 0.4, .n_times = TIMES, .time = time, .allowed = 1e-3};
+  TEST_PETSC(second_stage_truncate(model, &stage, &smaller));
   assert_non_null(smaller);
   assert_true(smaller->r < R);
-  assert_true(reached > 0.0 && reached <= 1e-3);
+  assert_true(stage.reached > 0.0 && stage.reached <= 1e-3);
   for (PetscInt k = 0; k < smaller->r; k++) after += smaller->constant[k] * smaller->constant[k];
   ASSERT_CLOSE(after, before, 1e-12);
   modal_model_step_response(model, time[TIMES - 1], &u, z, &at_end);
@@ -175,6 +176,34 @@ static void second_stage_keeps_what_is_allowed_and_the_constant(void **state)
     modal_model_step_response(smaller, time[t], &u, z, &reduced);
     ASSERT_CLOSE(reduced, full, 1e-3 * modal_rise_scale(full, at_end, time[t], time[TIMES - 1]));
   }
+  TEST_PETSC(modal_model_destroy(&smaller));
+  TEST_PETSC(modal_model_destroy(&model));
+}
+
+/* One input, and the constant a mode of its own: balanced truncation of the rest, whose error bound is reached at w = 0
+ * (Liu, Sreeram & Teo 1998: state-space symmetric systems). */
+static void balanced_truncation_keeps_its_bound_and_reaches_it_at_rest(void **state)
+{
+  (void)state;
+  enum { R = 16, TIMES = 9 };
+  PetscReal K[R * R] = {0}, B[R], constant[R] = {1.5}, time[TIMES], weight = 0.5, largest = 0.0;
+  ModalModel *model, *smaller;
+  for (int k = 0; k < R; k++) {
+    K[k + R * k] = k == 0 ? 0.0 : 0.05 * pow(1.9, k);
+    B[k] = 1.0 / (1.0 + 0.3 * k);
+  }
+  for (int t = 0; t < TIMES; t++) time[t] = pow(10.0, -2.0 + 0.5 * t);
+  TEST_PETSC(modal_model_create(PETSC_COMM_SELF, R, 1, K, R, B, constant, PETSC_TRUE, &model));
+  SecondStage stage = {.weight = &weight, .singular = PETSC_TRUE, .n_times = TIMES, .time = time, .allowed = 1e-2};
+  TEST_PETSC(second_stage_truncate(model, &stage, &smaller));
+  assert_non_null(smaller);
+  for (int i = 0; i <= 160; i++) {
+    PetscReal difference;
+    TEST_PETSC(modal_model_difference(model, smaller, pow(10.0, -4.0 + 0.05 * i), &difference));
+    largest = PetscMax(largest, difference);
+  }
+  assert_true(stage.bound > 0.0);
+  ASSERT_CLOSE(largest / stage.bound, 1.0, 1e-4); // from below, but for w = 1e-4 instead of 0
   TEST_PETSC(modal_model_destroy(&smaller));
   TEST_PETSC(modal_model_destroy(&model));
 }
@@ -238,6 +267,7 @@ int main(int argc, char **argv)
       cmocka_unit_test(lanczos_step_responses_agree_with_time_integration),
       cmocka_unit_test(basis_drops_what_it_holds_already),
       cmocka_unit_test(second_stage_keeps_what_is_allowed_and_the_constant),
+      cmocka_unit_test(balanced_truncation_keeps_its_bound_and_reaches_it_at_rest),
       cmocka_unit_test(phi_is_smooth_where_the_rate_vanishes),
       cmocka_unit_test(planned_shifts_span_the_band_of_times),
       cmocka_unit_test(a_shift_is_added_where_the_error_is),
