@@ -19,6 +19,8 @@ static const char HELP[] =
     "  castreduce run MOULD.YAML [--quiet] [PETSc options]   mesh, assemble, reduce; writes the ROM file it names\n"
     "  castreduce check MOULD.YAML                           read the input and the geometry, print what was "
     "understood\n"
+    "  castreduce compare MOULD.YAML [--quiet] [PETSc options]  reduce by every method; prints a table, writes CSV and "
+    "plot\n"
     "  castreduce info FILE.rom.h5                           print what a ROM file holds\n"
     "  castreduce picture FILE.rom.h5 OUT.png                draw its patches on the cavity wall\n"
     "  castreduce --help | --version\n"
@@ -130,10 +132,10 @@ static char *join_arguments(int argc, char **argv)
   return text;
 }
 
-/* Take "--quiet" out of the arguments of `run`; what is left behind the file must be PETSc's. */
+/* Take "--quiet" out of the arguments; what is left behind the file must be PETSc's. */
 static bool take_options(int *argc, char **argv, bool *quiet)
 {
-  const bool may_be_quiet = strcmp(argv[1], "run") == 0;
+  const bool may_be_quiet = strcmp(argv[1], "check") != 0;
   int kept = 3;
   for (int i = 3; i < *argc; i++) {
     if (may_be_quiet && strcmp(argv[i], "--quiet") == 0) {
@@ -204,6 +206,7 @@ int main(int argc, char **argv)
   }
   if (argc >= 3 && strcmp(verb, "run") == 0) return run_task(argc, argv, pipeline_run);
   if (argc >= 3 && strcmp(verb, "check") == 0) return run_task(argc, argv, pipeline_check);
+  if (argc >= 3 && strcmp(verb, "compare") == 0) return run_task(argc, argv, pipeline_compare);
   if (argc == 3 && strcmp(verb, "info") == 0) return print_info(argv[2]);
   if (argc == 4 && strcmp(verb, "picture") == 0) return draw_picture(argv[2], argv[3]);
   if (argc > 1) fprintf(stderr, "castreduce: error: '%s' with %d more arguments is not understood\n\n", verb, argc - 2);

@@ -1,4 +1,4 @@
-#include "reduce/pipeline.h"
+#include "reduce/pipeline_private.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,19 +13,7 @@
 #include "reduce/pipeline_report.h"
 #include "reduce/petsc_compat.h"
 
-typedef struct Pipeline {
-  const PipelineTask *task;
-  MPI_Comm comm;
-  PetscMPIInt rank;
-  ReduceConfig *config;
-  Log *log; // rank 0
-  MouldMesh *mesh;
-  ThermalSystem *system;
-  ReducedModel *model;
-} Pipeline;
-
-/* Rank 0 reads the file; the others parse the same text. */
-static PetscErrorCode read_config(Pipeline *pipeline)
+PetscErrorCode pipeline_read_config(Pipeline *pipeline)
 {
   CastError err = {CAST_OK, ""};
   CastStatus status = CAST_OK;
@@ -63,33 +51,36 @@ static CastStatus check_output_folder(const char *rom_path, CastError *err)
   return status;
 }
 
-static CastStatus open_log(Pipeline *pipeline, CastError *err)
+char *pipeline_output_path(const ReduceConfig *config, const char *ending)
 {
-  const char *rom_path = pipeline->config->rom_path;
-  CAST_CALL(check_output_folder(rom_path, err));
-  char *path = malloc(strlen(rom_path) + 5);
-  CAST_CHECK(path, err, CAST_ERR_MEMORY, "no memory for the log");
-  sprintf(path, "%s.log", rom_path);
-  unlink(path); // the log tells of one run
-  const CastStatus status = log_open(path, pipeline->task->quiet, &pipeline->log, err);
-  free(path);
-  return status;
+  static const char old[] = ".rom.h5"; // which every output ends in
+  const size_t length = strlen(config->rom_path) - strlen(old);
+  char *path = malloc(length + strlen(ending) + 1);
+  if (path) sprintf(path, "%.*s%s", (int)length, config->rom_path, ending);
+  return path;
 }
 
-static PetscErrorCode start(Pipeline *pipeline)
+static CastStatus open_log(Pipeline *pipeline, const char *path, CastError *err)
+{
+  CAST_CHECK(path, err, CAST_ERR_MEMORY, "no memory for the log");
+  CAST_CALL(check_output_folder(pipeline->config->rom_path, err));
+  unlink(path); // the log tells of one run
+  return log_open(path, pipeline->task->quiet, &pipeline->log, err);
+}
+
+PetscErrorCode pipeline_open_log(Pipeline *pipeline, const char *path)
 {
   CastError err = {CAST_OK, ""};
   CastStatus status = CAST_OK;
 
   PetscFunctionBeginUser;
-  PetscCall(read_config(pipeline));
-  if (pipeline->rank == 0) status = open_log(pipeline, &err);
+  if (pipeline->rank == 0) status = open_log(pipeline, path, &err);
   PetscCall(collective_check(pipeline->comm, status, &err));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Mesh and finite elements. */
-static PetscErrorCode assemble_geometry(Pipeline *pipeline, RomOutputRun *run)
+static PetscErrorCode assemble_geometry(Pipeline *pipeline)
 {
   const double begin = log_wall_time();
 
@@ -97,14 +88,14 @@ static PetscErrorCode assemble_geometry(Pipeline *pipeline, RomOutputRun *run)
   log_info(pipeline->log, "meshing %s", pipeline->config->geometry_path);
   PetscCall(mould_mesh_create(pipeline->comm, pipeline->config, &pipeline->mesh));
   const double meshed = log_wall_time();
-  run->seconds_mesh = meshed - begin;
-  PetscCall(pipeline_report_mesh(pipeline->mesh, pipeline->config, run->seconds_mesh, pipeline->log));
+  pipeline->seconds_mesh = meshed - begin;
+  PetscCall(pipeline_report_mesh(pipeline->mesh, pipeline->config, pipeline->seconds_mesh, pipeline->log));
   PetscCall(thermal_system_create(pipeline->mesh, pipeline->config, &pipeline->system));
-  run->seconds_assembly = log_wall_time() - meshed;
+  pipeline->seconds_assembly = log_wall_time() - meshed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode read_matrices(Pipeline *pipeline, RomOutputRun *run)
+static PetscErrorCode read_matrices(Pipeline *pipeline)
 {
   const double begin = log_wall_time();
 
@@ -112,38 +103,61 @@ static PetscErrorCode read_matrices(Pipeline *pipeline, RomOutputRun *run)
   log_info(pipeline->log, "reading %s, %s, %s", pipeline->config->matrices->E, pipeline->config->matrices->K,
            pipeline->config->matrices->B);
   PetscCall(matrix_system_create(pipeline->comm, pipeline->config, &pipeline->system));
-  run->seconds_assembly = log_wall_time() - begin;
+  pipeline->seconds_assembly = log_wall_time() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode run_steps(Pipeline *pipeline)
+PetscErrorCode pipeline_assemble(Pipeline *pipeline)
 {
-  RomOutputRun run = {.command = pipeline->task->command, .log = pipeline->log};
   PetscMPIInt size;
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_size(pipeline->comm, &size));
   log_info(pipeline->log, "%s", pipeline->config->title);
-  const double begin = log_wall_time();
   if (pipeline->config->matrices)
-    PetscCall(read_matrices(pipeline, &run));
+    PetscCall(read_matrices(pipeline));
   else
-    PetscCall(assemble_geometry(pipeline, &run));
+    PetscCall(assemble_geometry(pipeline));
   log_info(pipeline->log, "%" PetscInt_FMT " unknowns, %" PetscInt_FMT " patches, on %d %s (%.1f s)",
-           pipeline->system->n, pipeline->system->m, size, size == 1 ? "rank" : "ranks", run.seconds_assembly);
-  PetscCall(reduced_model_create(pipeline->system, &pipeline->config->reduction, pipeline->log, &pipeline->model));
-  PetscCall(rom_output_write(pipeline->config, pipeline->mesh, pipeline->system, pipeline->model, &run));
-  log_info(pipeline->log, "wrote %s: %" PetscInt_FMT " states for %" PetscInt_FMT " unknowns (%.1f s in all)",
-           pipeline->config->rom_path, pipeline->model->r, pipeline->system->n, log_wall_time() - begin);
+           pipeline->system->n, pipeline->system->m, size, size == 1 ? "rank" : "ranks", pipeline->seconds_assembly);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode release(Pipeline *pipeline)
+PetscErrorCode pipeline_release(Pipeline *pipeline)
 {
   PetscFunctionBeginUser;
   PetscCall(reduced_model_destroy(&pipeline->model));
   PetscCall(thermal_system_destroy(&pipeline->system));
   PetscCall(mould_mesh_destroy(&pipeline->mesh));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void pipeline_close(Pipeline *pipeline)
+{
+  log_close(&pipeline->log);
+  reduce_config_destroy(&pipeline->config);
+}
+
+static PetscErrorCode run_steps(Pipeline *pipeline)
+{
+  const double begin = log_wall_time();
+  char *log_path;
+
+  PetscFunctionBeginUser;
+  PetscCall(pipeline_read_config(pipeline));
+  log_path = pipeline_output_path(pipeline->config, ".rom.h5.log");
+  PetscCall(pipeline_open_log(pipeline, log_path));
+  free(log_path);
+  PetscCall(pipeline_assemble(pipeline));
+  PetscCall(reduced_model_create(pipeline->system, &pipeline->config->reduction, pipeline->log, &pipeline->model));
+  const RomOutputRun run = {.command = pipeline->task->command,
+                            .seconds_mesh = pipeline->seconds_mesh,
+                            .seconds_assembly = pipeline->seconds_assembly,
+                            .log = pipeline->log};
+  PetscCall(rom_output_write(pipeline->config, pipeline->mesh, pipeline->system, pipeline->model, &run));
+  log_info(pipeline->log, "wrote %s: %" PetscInt_FMT " states for %" PetscInt_FMT " unknowns (%.1f s in all)",
+           pipeline->config->rom_path, pipeline->model->r, pipeline->system->n, log_wall_time() - begin);
+  PetscCall(pipeline_release(pipeline));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,12 +168,8 @@ PetscErrorCode pipeline_run(MPI_Comm comm, const PipelineTask *task)
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &pipeline.rank));
-  ierr = start(&pipeline);
-  if (!ierr) ierr = run_steps(&pipeline);
-  if (!ierr)
-    ierr = release(&pipeline); // after a failure PETSc's objects may be half made: left to the end of the process
-  log_close(&pipeline.log);
-  reduce_config_destroy(&pipeline.config);
+  ierr = run_steps(&pipeline);
+  pipeline_close(&pipeline);
   PetscFunctionReturn(ierr);
 }
 
@@ -189,11 +199,11 @@ PetscErrorCode pipeline_check(MPI_Comm comm, const PipelineTask *task)
 
   PetscFunctionBeginUser;
   PetscCallMPI(MPI_Comm_rank(comm, &pipeline.rank));
-  ierr = read_config(&pipeline);
+  ierr = pipeline_read_config(&pipeline);
   if (!ierr) {
     if (pipeline.rank == 0) status = check_model(pipeline.config, &err);
     ierr = collective_check(comm, status, &err);
   }
-  reduce_config_destroy(&pipeline.config);
+  pipeline_close(&pipeline);
   PetscFunctionReturn(ierr);
 }

@@ -15,6 +15,9 @@ typedef struct PipelineTask {
  * beside the ROM file. Collective; user's faults are PETSC_ERR_USER with a message for a person, raised by all ranks.
  */
 PetscErrorCode pipeline_run(MPI_Comm comm, const PipelineTask *task);
+/* The full model reduced by every method, to compare: a table on the terminal, OUTPUT.compare.csv and .compare.png
+ * beside the ROM file that the input names, which is not written. Collective. */
+PetscErrorCode pipeline_compare(MPI_Comm comm, const PipelineTask *task);
 /* Read the input and open the geometry, without meshing; print on rank 0 everything as it was understood. Collective.
  */
 PetscErrorCode pipeline_check(MPI_Comm comm, const PipelineTask *task);

@@ -181,6 +181,43 @@ static void info_and_check_cope_without_geometry(void **state)
   expect_said("castreduce: error: ");
 }
 
+/* The CSV's numbers of the row that begins with "method",: states, CPU seconds, share, bytes, error. */
+static void read_row(const char *csv, const char *method, double value[5])
+{
+  const char *at = strstr(csv, method);
+  if (!at) fail_msg("no row %s in %s", method, csv);
+  const int found =
+      sscanf(at + strlen(method), ",%lf,%lf,%lf,%lf,%lf", value, value + 1, value + 2, value + 3, value + 4);
+  assert_int_equal(found, 5);
+}
+
+static void compare_ranks_the_methods_and_writes_no_rom(void **state)
+{
+  (void)state;
+  static char csv[4000];
+  double arnoldi[5], modal[5], rational[5], shorter[5];
+  mould_files_write(&files, "methods.yaml",
+                    "matrices: { E: E.mtx, K: K.mtx, B: B.mtx }\n"
+                    "reduction: { times: [10 ms, 100 s], tolerance: 1e-3 }\noutput: { file: methods.rom.h5 }\n");
+  if (run("cd '%s' && '%s' compare methods.yaml --quiet 2>&1", files.folder, program) != 0) fail_msg("%s", said);
+  expect_said("| arnoldi, q = 3 |");
+  FILE *file = fopen(path_of("methods.compare.csv"), "r");
+  assert_non_null(file);
+  csv[fread(csv, 1, sizeof csv - 1, file)] = '\0';
+  fclose(file);
+  read_row(csv, "\"arnoldi, q = 5\"", arnoldi);
+  read_row(csv, "\"modal, 20 modes\"", modal);
+  read_row(csv, "\"rational\"", rational);
+  read_row(csv, "\"rational, early weight\"", shorter);
+  assert_true(arnoldi[0] <= 5 * (M + 1) + 2 && modal[0] == 21); // m inputs and the ambient; modes and the constant
+  assert_true(rational[4] <= 1e-3 && shorter[4] <= 1e-3);       // the tolerance asked for
+  assert_true(shorter[0] < rational[0]);
+  assert_true(modal[4] > rational[4] && arnoldi[4] > rational[4]);
+  assert_true(rational[1] > 0.0 && rational[2] > 0.0 && rational[2] < 1.0 && rational[3] > 1e6);
+  assert_int_equal(access(path_of("methods.compare.png"), F_OK), 0);
+  assert_int_not_equal(access(path_of("methods.rom.h5"), F_OK), 0);
+}
+
 static void castrun_refuses_a_rom_without_a_cavity(void **state)
 {
   (void)state;
@@ -204,6 +241,7 @@ int main(int argc, char **argv)
       cmocka_unit_test(each_form_of_the_files_gives_the_same_rom),
       cmocka_unit_test(several_ranks_give_the_same_model),
       cmocka_unit_test(info_and_check_cope_without_geometry),
+      cmocka_unit_test(compare_ranks_the_methods_and_writes_no_rom),
       cmocka_unit_test(castrun_refuses_a_rom_without_a_cavity),
   };
   if (argc < 3) return 99;
