@@ -1,5 +1,5 @@
 /* config.c - cast.yaml into CastConfig. Faults are gathered by yaml_input and reported in one go. */
-#include "cast/config.h"
+#include "cast/config_private.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -88,15 +88,6 @@ static void read_forces(YamlNode node, CastConfig *config)
 {
   read_vector(yaml_require(node, "gravity"), "m/s^2", config->gravity);
   read_vector(yaml_get(node, "acceleration"), "m/s^2", config->acceleration);
-}
-
-static void read_contact(YamlNode node, CastConfig *config)
-{
-  const YamlNode h = yaml_get(node, "h"), perfect = yaml_get(node, "perfect");
-  config->coupling.h_contact = INFINITY;
-  if (yaml_exists(h)) config->coupling.h_contact = yaml_quantity(h, "W/m^2/K", YAML_POSITIVE, NAN);
-  if (yaml_is_map(node) && yaml_exists(h) == yaml_boolean(perfect, false))
-    yaml_problem(node, "exactly one of h (a heat transfer coefficient) and perfect: true is expected");
 }
 
 static void read_coupling(YamlNode node, CastConfig *config)
@@ -239,7 +230,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   config->ambient = yaml_quantity(yaml_require(root, "ambient"), "K", YAML_POSITIVE, NAN);
   CAST_CALL(read_melt(yaml_require(root, "melt"), config, err));
   read_forces(yaml_require(root, "forces"), config);
-  read_contact(yaml_require(root, "contact"), config);
+  CAST_CALL(config_read_contact(yaml_require(root, "contact"), config, err));
   read_coupling(yaml_get(root, "coupling"), config);
   read_sph(yaml_require(root, "sph"), config);
   read_time(yaml_require(root, "time"), config);
@@ -267,6 +258,7 @@ void cast_config_destroy(CastConfig **config)
   if (!config || !*config) return;
   CastConfig *old = *config;
   material_destroy(&old->melt);
+  contact_laws_destroy(&old->contact);
   char *texts[] = {old->title,         old->rom_path,   old->melt_reference,
                    old->output.folder, old->input_path, old->input_text};
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);

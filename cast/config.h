@@ -38,7 +38,8 @@ typedef struct CastConfig {
   bool has_level;                     // melt fills the cavity below this height at the start
   double level;                       // m
   double gravity[3], acceleration[3]; // m/s2
-  CouplingParameters coupling;
+  ContactLaws contact;
+  CouplingParameters coupling; // .contact points to the laws above
   double spacing; // m
   KernelKind kernel;
   double smoothing;   // h/spacing

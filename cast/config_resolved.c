@@ -1,6 +1,6 @@
 /* config_resolved.c - the input as castrun understood it: every default filled in, SI, readable by castrun again. */
 #define _GNU_SOURCE // realpath, open_memstream
-#include "cast/config.h"
+#include "cast/config_private.h"
 
 #include <limits.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void put_text(FILE *out, const char *text)
+void config_put_text(FILE *out, const char *text)
 {
   fputc('"', out);
   for (; *text; text++) {
@@ -26,16 +26,16 @@ static void put_path(FILE *out, const char *path)
 {
   char absolute[PATH_MAX];
   if (realpath(path, absolute)) {
-    put_text(out, absolute);
+    config_put_text(out, absolute);
     return;
   }
   char folder[PATH_MAX] = "";
   if (path[0] != '/' && realpath(".", folder)) {
     char joined[2 * PATH_MAX];
     snprintf(joined, sizeof joined, "%s/%s", folder, path);
-    put_text(out, joined);
+    config_put_text(out, joined);
   } else {
-    put_text(out, path);
+    config_put_text(out, path);
   }
 }
 
@@ -81,7 +81,7 @@ static void put_melt(FILE *out, const CastConfig *c)
     if (is_path)
       put_path(out, c->melt_reference);
     else
-      put_text(out, c->melt_reference);
+      config_put_text(out, c->melt_reference);
     fprintf(out, "   # sha256 %s\n", c->melt.sha256);
   } else {
     put_inline_material(out, c->melt.text);
@@ -122,7 +122,7 @@ static void put_points(FILE *out, const char *what, const char *where, size_t n,
   fprintf(out, "  %s:\n", what);
   for (size_t i = 0; i < n; i++) {
     fputs("    - name: ", out);
-    put_text(out, point[i].name);
+    config_put_text(out, point[i].name);
     fprintf(out, "\n      %s: ", where);
     put_vector(out, point[i].x, "m");
     fputc('\n', out);
@@ -142,7 +142,7 @@ static void put_output(FILE *out, const OutputConfig *o)
 static void put_config(FILE *out, const CastConfig *c, double sound_speed)
 {
   fputs("# The input as castrun understood it: SI, every default filled in.\ntitle: ", out);
-  put_text(out, c->title);
+  config_put_text(out, c->title);
   fputs("\nrom: ", out);
   put_path(out, c->rom_path);
   fprintf(out, "\npreheat: %.17g K\nambient: %.17g K\n", c->preheat, c->ambient);
@@ -151,10 +151,8 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   put_vector(out, c->gravity, "m/s^2");
   fputs("\n  acceleration: ", out);
   put_vector(out, c->acceleration, "m/s^2");
-  if (isinf(c->coupling.h_contact))
-    fputs("\ncontact: { perfect: true }\n", out);
-  else
-    fprintf(out, "\ncontact: { h: %.17g W/m^2/K }\n", c->coupling.h_contact);
+  fputc('\n', out);
+  config_put_contact(out, c);
   fprintf(out, "coupling: { kind: %s, mould: %s }\n", c->coupling.kind == COUPLING_SURFACE ? "surface" : "embedded",
           c->coupling.mould_frozen ? "frozen" : "live");
   put_sph(out, c, sound_speed);

@@ -71,7 +71,7 @@ static void report_steps(const Sim *sim)
     log_warn(sim->log, "the time step of %.3g us is above the stable %.3g us (limit: %s)", 1e6 * c->step,
              1e6 * limit.step, limit.which);
   const double kappa = c->melt.conductivity;
-  const double h = 1.0 / (1.0 / c->coupling.h_contact + 0.5 * c->spacing / kappa);
+  const double h = 1.0 / (1.0 / contact_laws_most(&c->contact) + 0.5 * c->spacing / kappa);
   const double stiffness = c->coupling.mould_frozen ? 0.0 : rom_state_stiffness(sim->mould, h, dt);
   log_info(sim->log, "exchange  %.4g W/m2K from melt to wall, stiffness %.2g%s", h, stiffness,
            stiffness > 0.5 ? ": above 0.5, the exchange will take sub-steps" : " (stable below 0.5)");

@@ -33,6 +33,10 @@ typedef struct Material {
 CastStatus material_read(YamlNode node, Material *material, CastError *err);
 void material_destroy(Material *material);
 
+/* Pairs [[x, y], ...] with x strictly rising into a table; false, with a problem at the line, if that is not what
+ * stands there. Absolute temperatures (unit "K") must be above 0. */
+bool material_read_table(YamlNode node, const char *x_unit, const char *y_unit, YamlRange y_range, Table *table);
+
 /* Does the material have what a mould (constant specific heat and conductivity) or a melt (enthalpy, viscosity) needs?
  * Errors: CAST_ERR_INPUT, naming the material and what it lacks. */
 CastStatus material_check_mould(const Material *material, CastError *err);

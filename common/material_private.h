@@ -9,9 +9,6 @@
 YamlNode material_property(YamlNode map, const char *key);
 /* Where a property comes from, for keys beside the value; the text itself travels with every ROM and result. */
 void material_read_remarks(YamlNode map);
-/* Pairs [[x, y], ...] with x strictly rising into a table; false, with a problem at the line, if that is not what
- * stands there. Absolute temperatures (unit "K") must be above 0. */
-bool material_read_table(YamlNode node, const char *x_unit, const char *y_unit, YamlRange y_range, Table *table);
 
 /* specific heat, latent heat, solid fraction, enthalpy: fills those fields of the material. */
 void material_read_heat(YamlNode map, Material *material);

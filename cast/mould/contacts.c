@@ -237,6 +237,7 @@ static bool reserve(Contacts *c, ptrdiff_t n_near, ptrdiff_t n, ptrdiff_t pairs)
     const ptrdiff_t room = c->room_contacts = n + n / 4 + 64;
     ok = grow((void **)&c->patch, room, sizeof *c->patch) && grow((void **)&c->area, room, sizeof *c->area) &&
          grow((void **)&c->plane, room, sizeof *c->plane) && grow((void **)&c->power, room, sizeof *c->power) &&
+         grow((void **)&c->most, room, sizeof *c->most) &&
          grow((void **)&c->pair_start, room, sizeof *c->pair_start) &&
          grow((void **)&c->of_patch, room, sizeof *c->of_patch);
   }
@@ -260,7 +261,7 @@ static void append_share(Contacts *c, ptrdiff_t *pairs, const Share *share)
     }
     c->patch[e] = from->patch;
     c->area[e] = from->area;
-    c->power[e] = 0.0;
+    c->power[e] = c->most[e] = 0.0;
     memcpy(c->plane[e], from->plane, sizeof from->plane);
     c->pair_start[e + 1] = c->pair_start[e] + from->n_pairs;
   }
@@ -340,6 +341,7 @@ void contacts_free(Contacts *c)
   free(c->area);
   free(c->plane);
   free(c->power);
+  free(c->most);
   free(c->pair_start);
   free(c->sink);
   free(c->conductance);

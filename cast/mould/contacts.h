@@ -15,6 +15,7 @@ typedef struct Contacts {
   double *area;                         // [n] m2 (surface)
   double (*plane)[4];                   // [n] distance to the wall = plane . (x, y, z, 1), m (surface)
   double *power;                        // [n] W
+  double *most;                         // [n] W/K, conductance of its pairs with the largest h of the patch's law
   ptrdiff_t *pair_start;                // [n + 1]
   int32_t *sink;                        // [pair_start[n]] patch (surface) or wall index (embedded)
   double *conductance;                  // [pair_start[n]] W/K

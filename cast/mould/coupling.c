@@ -17,8 +17,6 @@ static double melt_enthalpy(const Particles *p)
 static CastStatus check_parameters(const CouplingParameters *parameters, const RomData *rom, const Surface *surface,
                                    CastError *err)
 {
-  CAST_CHECK(parameters->h_contact > 0.0, err, CAST_ERR_INPUT,
-             "h_contact is %g W/(m2 K), above zero is expected (infinite: perfect contact)", parameters->h_contact);
   if (parameters->kind == COUPLING_SURFACE) {
     CAST_CHECK(surface, err, CAST_ERR_ARGUMENT, "coupling: `surface` needs the mould's surface");
     return CAST_OK;
@@ -39,7 +37,11 @@ static CastStatus build(Coupling *c, const Surface *surface, const Particles *pa
   double **const by_patch[] = {&c->flow, &c->sum, &c->wetted, &c->touched, &c->mean_flow};
   bool ok = true;
   for (size_t a = 0; a < sizeof by_patch / sizeof *by_patch; a++) ok = (*by_patch[a] = calloc(m, sizeof(double))) && ok;
-  CAST_CHECK(ok, err, CAST_ERR_MEMORY, "coupling: no memory for %zu patches", m);
+  c->law = calloc(m, sizeof *c->law);
+  CAST_CHECK(ok && c->law, err, CAST_ERR_MEMORY, "coupling: no memory for %zu patches", m);
+  c->uniform.elsewhere.h = c->parameters.h_contact;
+  const ContactLaws *laws = c->parameters.contact ? c->parameters.contact : &c->uniform;
+  CAST_CALL(contact_laws_by_patch(laws, c->rom, c->sph->melt, c->law, err));
   if (surface) CAST_CALL(wetting_create(surface, c->sph, particles, &c->wetting, err));
   if (c->parameters.kind == COUPLING_SURFACE) return CAST_OK;
   c->mould_kappa = c->rom->material[0].conductivity;
@@ -75,6 +77,7 @@ void coupling_destroy(Coupling **coupling)
   contacts_free(&c->contacts);
   wetting_destroy(&c->wetting);
   wall_temperature_destroy(&c->walls);
+  free(c->law);
   free(c->flow);
   free(c->sum);
   free(c->wetted);

@@ -14,6 +14,7 @@
 #define CAST_MOULD_COUPLING_H
 
 #include "cast/geometry/surface.h"
+#include "cast/mould/contact_law.h"
 #include "cast/mould/rom_state.h"
 #include "cast/particles/neighbours.h"
 #include "cast/physics/sph.h"
@@ -22,8 +23,9 @@ typedef enum CouplingKind { COUPLING_SURFACE, COUPLING_EMBEDDED } CouplingKind;
 
 typedef struct CouplingParameters {
   CouplingKind kind;
-  double h_contact;  // W/(m2 K); INFINITY: perfect contact (the paper)
+  double h_contact;  // W/(m2 K); INFINITY: perfect contact (the paper); not used where `contact` is given
   bool mould_frozen; // the mould keeps its preheat temperature (to measure what the mould solve costs and changes)
+  const ContactLaws *contact; // borrowed; laws by surface, temperature, solid fraction; NULL: h_contact everywhere
 } CouplingParameters;
 
 typedef struct Coupling Coupling;
@@ -31,8 +33,8 @@ typedef struct Coupling Coupling;
 /* particles' E must be set: the ledger starts here.
  *   sph, rom, surface  borrowed, must outlive the coupling; surface may be NULL for `embedded`, which then tells no
  *                      wetted area
- * Errors: CAST_ERR_ARGUMENT; CAST_ERR_INPUT for h_contact <= 0, and for `embedded` where the ROM has no band or several
- * mould materials of different conductivity; CAST_ERR_MEMORY. */
+ * Errors: CAST_ERR_ARGUMENT; CAST_ERR_INPUT for h_contact <= 0 and for laws that do not fit the ROM or the melt, and
+ * for `embedded` where the ROM has no band or several mould materials of different conductivity; CAST_ERR_MEMORY. */
 CastStatus coupling_create(const CouplingParameters *parameters, const SphParameters *sph, const RomData *rom,
                            const Surface *surface, const Particles *particles, Coupling **coupling, CastError *err);
 void coupling_destroy(Coupling **coupling);
@@ -62,11 +64,11 @@ const double *coupling_flow(const Coupling *coupling);                // [m] W
 double coupling_wetted_area(const Coupling *coupling, size_t patch);  // m2, of the last rebuild
 double coupling_contact_area(const Coupling *coupling, size_t patch); // m2, sum of the areas A_il (0 for embedded)
 
-/* The effective conductance that the last exchange presented to the mould, W/(m2 K): the largest, over patches, of
- * (sum of a patch's conductances)/(its area). */
+/* The largest effective conductance that the mould may meet with the melt where it was in the last exchange, W/(m2 K):
+ * over patches, of (sum of a patch's conductances)/(its area), each with the largest h that its contact law has. */
 double coupling_conductance(const Coupling *coupling);
-/* Is a plain step of dt stable, with the conductances of the last exchange? stiffness: largest eigenvalue of
- * D^(1/2) G(dt) D^(1/2), see rom_state.h; the limit is 0.5. */
+/* Is a plain step of dt stable, with the largest conductances that its contacts may have? stiffness: largest eigenvalue
+ * of D^(1/2) G(dt) D^(1/2), see rom_state.h; the limit is 0.5. */
 bool coupling_check_stability(const Coupling *coupling, const RomState *state, double dt, double *stiffness);
 
 /* Melt + mould (1^T E V z) + lost, against the start: what a run's books show. */

@@ -21,6 +21,8 @@ struct Coupling {
   CouplingParameters parameters;
   const SphParameters *sph;
   const RomData *rom;
+  ContactLaws uniform;    // of h_contact, where no laws are given
+  const ContactLaw **law; // [m]
   ContactRules rules;
   Contacts contacts;
   Wetting *wetting;         // NULL without a surface
@@ -29,13 +31,13 @@ struct Coupling {
   double period[3];         // m
   long builds;              // of the neighbour lists that the contacts were made from
   double *flow;             // [m] W
-  double *sum;              // [m] W/K, conductance of each patch
+  double *sum;              // [m] W/K, conductance of each patch, with the largest h of its law
   double *wetted, *touched; // [m] m2
   double *T, *E;            // [n_near] K, J/kg of the particles near walls during a step
   double *mean;             // [n_near] W, what the wall takes from them, mean over the sub-steps
   double *mean_flow;        // [m] W
   ptrdiff_t room;
-  double particle_rate;          // 1/s, max K_i/(m_i c)
+  double particle_rate;          // 1/s, max K_i/(m_i c), with the largest h
   double least_heat;             // J/(kg K), c above; 0: temperatures do not follow the enthalpy
   double eigenvalue[STEP_TABLE]; // m2 K/W, g(dt) at dt = 2^((index - STEP_ZERO)/STEPS_PER_OCTAVE) s; NAN: not yet known
   long substeps;

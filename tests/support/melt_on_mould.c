@@ -6,6 +6,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,22 @@
     CastError *err = &err_;                                                                                            \
     if ((call) != CAST_OK) fail_msg("%s", err_.message);                                                               \
   } while (0)
+
+/* As cast.yaml would give it. */
+static void read_melt(MeltCase *given, Material *melt)
+{
+  char text[4096];
+  snprintf(text, sizeof text, "material: %s\n", given->material);
+  YamlInput *input = NULL;
+  MUST(yaml_input_parse(text, "melt.yaml", &input, err));
+  MUST(material_read(yaml_get(yaml_root(input), "material"), melt, err));
+  MUST(yaml_input_finish(input, err));
+  MUST(material_check_melt(melt, err));
+  yaml_input_destroy(&input);
+  given->rho = melt->density;
+  given->kappa = melt->conductivity;
+  given->c = melt->specific_heat;
+}
 
 static void make_melt(const MeltCase *given, Material *melt)
 {
@@ -140,7 +157,10 @@ void melt_on_mould_create(const MeltCase *given, MeltOnMould *melt)
   if (own->support == 0.0) own->support = 3.0;
   if (own->columns > 0) own->slab.size[0] = own->slab.size[1] = own->columns * own->spacing;
   const double reach = own->support * own->spacing;
-  make_melt(own, &melt->melt);
+  if (own->material)
+    read_melt(own, &melt->melt);
+  else
+    make_melt(own, &melt->melt);
   melt->rom = own->rom;
   if (!own->rom) MUST(synthetic_rom_slab(&own->slab, &melt->rom, err));
   MUST(surface_create(melt->rom, 1.5 * reach, &melt->surface, err));

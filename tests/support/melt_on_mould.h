@@ -25,6 +25,7 @@ typedef struct MeltCase {
   CouplingParameters coupling;
   RomScheme scheme;
   double kappa, rho, c;         // of the melt
+  const char *material;         // its YAML, a flow map, instead of these three; NULL: they hold
   double hot, preheat, ambient; // K
 } MeltCase;
 

@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -206,6 +207,41 @@ static void the_resolved_input_reads_again_to_the_same_bits(void **state)
   }
 }
 
+/* LEAST with another contact. */
+static CastConfig *read_with_contact(const char *contact)
+{
+  char text[2048];
+  const char *old = "{ h: 2000 W/m^2/K }", *at = strstr(LEAST, old);
+  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST, contact, at + strlen(old));
+  return read_text(text, "cast.yaml");
+}
+
+static void contact_tables_and_surfaces_arrive_and_are_written_again(void **state)
+{
+  (void)state;
+  CastConfig *config = read_with_contact("{ h: { solid_fraction: [[0.3, 2000 W/m^2/K], [0.9, 200 W/m^2/K]] }, surfaces: "
+                                         "{ pins: { h: { temperature: [[700 degC, 0.5 kW/m^2/K]] } }, cup: { perfect: "
+                                         "true } } }");
+  for (int turn = 0; turn < 2; turn++) {
+    const ContactLaws *c = config->coupling.contact;
+    assert_int_equal(c->elsewhere.basis, CONTACT_OF_SOLID_FRACTION);
+    assert_close(contact_law_at(&c->elsewhere, &config->melt, config->melt.solidus), 200.0, 1e-9);
+    assert_close(contact_law_at(&c->elsewhere, &config->melt, config->melt.liquidus), 2000.0, 1e-9);
+    assert_int_equal(c->n, 2);
+    assert_string_equal(c->surface[0].surface, "pins");
+    assert_close(c->surface[0].law.table.x[0], 973.15, 1e-9);
+    assert_close(contact_law_most(&c->surface[0].law), 500.0, 1e-9);
+    assert_true(isinf(c->surface[1].law.h) && isinf(contact_laws_most(c)));
+    char *resolved = NULL;
+    CastError err = {0};
+    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
+    cast_config_destroy(&config);
+    config = read_text(resolved, "/elsewhere/resolved.yaml");
+    free(resolved);
+  }
+  cast_config_destroy(&config);
+}
+
 static void a_sound_speed_that_was_chosen_stands_in_the_resolved_input(void **state)
 {
   (void)state;
@@ -255,6 +291,7 @@ int main(void)
       cmocka_unit_test(an_input_of_the_least_keys_gets_the_defaults),
       cmocka_unit_test(every_option_arrives),
       cmocka_unit_test(the_resolved_input_reads_again_to_the_same_bits),
+      cmocka_unit_test(contact_tables_and_surfaces_arrive_and_are_written_again),
       cmocka_unit_test(a_sound_speed_that_was_chosen_stands_in_the_resolved_input),
       cmocka_unit_test(all_faults_are_told_at_once),
   };

@@ -628,6 +628,75 @@ static void impossible_couplings_are_refused(void **state)
   melt_on_mould_destroy(&melt);
 }
 
+/* ---- contact laws ---- */
+
+/* Flow into the only patch after one step, W. */
+static double flow_with(CouplingKind kind, double h_contact, const ContactLaws *laws)
+{
+  MeltCase given = bronze(kind, h_contact);
+  given.coupling.contact = laws;
+  MeltOnMould melt;
+  melt_on_mould_create(&given, &melt);
+  melt_on_mould_step(&melt, 1e-5);
+  const double flow = coupling_flow(melt.coupling)[0];
+  melt_on_mould_destroy(&melt);
+  return flow;
+}
+
+static void a_named_surface_has_its_own_contact(void **state)
+{
+  (void)state;
+  double T[2] = {1400.0, 1450.0}, h[2] = {1500.0, 1500.0}; // the melt is at 1423 K: 1500 there too
+  SurfaceContact top = {.surface = "top", .law = {.h = 500.0}};
+  const ContactLaws laws = {.elsewhere = {.h = 3000.0}, .n = 1, .surface = &top};
+  const ContactLaws table = {.elsewhere = {.basis = CONTACT_OF_TEMPERATURE, .table = {2, T, h}}};
+  for (int kind = COUPLING_SURFACE; kind <= COUPLING_EMBEDDED; kind++) {
+    assert_true(flow_with(kind, NAN, &laws) == flow_with(kind, 500.0, NULL));
+    assert_true(flow_with(kind, NAN, &table) == flow_with(kind, 1500.0, NULL));
+  }
+}
+
+/* At 1423 K the table gives 10, but 1e7 a little colder: sub-steps must be ready for that. */
+static void sub_steps_are_those_of_the_largest_conductance_that_can_occur(void **state)
+{
+  (void)state;
+  double T[3] = {1380.0, 1400.0, 1420.0}, h[3] = {1e7, 1e7, 10.0};
+  const ContactLaws rising = {.elsewhere = {.basis = CONTACT_OF_TEMPERATURE, .table = {3, T, h}}};
+  long substeps[2];
+  double conductance[2];
+  for (int k = 0; k < 2; k++) {
+    MeltCase given = bronze(COUPLING_SURFACE, 1e7);
+    if (k == 1) given.coupling.contact = &rising;
+    MeltOnMould melt;
+    melt_on_mould_create(&given, &melt);
+    melt_on_mould_step(&melt, 1e-3);
+    substeps[k] = coupling_substeps(melt.coupling);
+    conductance[k] = coupling_conductance(melt.coupling);
+    melt_on_mould_destroy(&melt);
+  }
+  assert_true(substeps[0] > 1);
+  assert_int_equal(substeps[1], substeps[0]);
+  assert_close(conductance[1], conductance[0], 1e-12 * conductance[0]);
+}
+
+static void contact_laws_that_fit_neither_mould_nor_melt_are_refused(void **state)
+{
+  (void)state;
+  const MeltCase given = bronze(COUPLING_SURFACE, 2000.0);
+  MeltOnMould melt;
+  melt_on_mould_create(&given, &melt);
+  double x[1] = {0.5}, h[1] = {100.0}, zero[1] = {0.0};
+  SurfaceContact wrong = {.surface = "pins", .law = {.h = 500.0}};
+  const ContactLaws unknown = {.elsewhere = {.h = 1.0}, .n = 1, .surface = &wrong};
+  const ContactLaws fraction = {.elsewhere = {.basis = CONTACT_OF_SOLID_FRACTION, .table = {1, x, h}}};
+  const ContactLaws nothing = {.elsewhere = {.basis = CONTACT_OF_TEMPERATURE, .table = {1, x, zero}}};
+  const CouplingParameters a = {.contact = &unknown}, b = {.contact = &fraction}, c = {.contact = &nothing};
+  expect_refusal(&melt, &a, melt.surface, CAST_ERR_INPUT, "it has: top");
+  expect_refusal(&melt, &b, melt.surface, CAST_ERR_INPUT, "solid fraction");
+  expect_refusal(&melt, &c, melt.surface, CAST_ERR_INPUT, "above zero");
+  melt_on_mould_destroy(&melt);
+}
+
 static void a_step_without_new_contacts_after_a_rebuild_is_refused(void **state)
 {
   (void)state;
@@ -669,6 +738,9 @@ int main(void)
       cmocka_unit_test(books_saved_and_restored_go_on),
       cmocka_unit_test(the_exchange_has_the_same_bits_on_any_number_of_threads),
       cmocka_unit_test(impossible_couplings_are_refused),
+      cmocka_unit_test(a_named_surface_has_its_own_contact),
+      cmocka_unit_test(sub_steps_are_those_of_the_largest_conductance_that_can_occur),
+      cmocka_unit_test(contact_laws_that_fit_neither_mould_nor_melt_are_refused),
       cmocka_unit_test(a_step_without_new_contacts_after_a_rebuild_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,10 @@
 /* H5: as H4 through an interface of conductance h. With H = h (1/e_1 + 1/e_2):
  *   q = h (T_1 - T_2) exp(H^2 t) erfc(H sqrt(t)),
  *   T(z) = T_far - (T_far - T_c) [erfc(x) - exp(H z/sqrt(alpha) + H^2 t) erfc(x + H sqrt(t))], x = z/(2 sqrt(alpha t)),
- * from the jump of temperature at z = 0 (Carslaw & Jaeger 1959, section 2.7, two half-spaces). */
+ * from the jump of temperature at z = 0 (Carslaw & Jaeger 1959, section 2.7, two half-spaces).
+ * Where h is a table: a film of melt, one particle thick, on a mould that keeps its temperature is one lumped body,
+ *   rho delta dE/dt = -(T - T_mould)/(1/h + delta/(2 kappa)), h = h(T) or h(f_s(T)), T = T(E),
+ * integrated by Runge and Kutta's fourth-order method. */
 #include <math.h>
 #include <omp.h>
 #include <setjmp.h>
@@ -114,12 +117,86 @@ static void heat_through_an_interface_resistance_follows_the_closed_form(void **
   }
 }
 
+/* ---- h from a table ---- */
+
+/* Freezes over 100 K; conducts so well that the film is one temperature. */
+static const char FILM[] = "{ name: film, density: 7000 kg/m^3, specific_heat: 500 J/kg/K, latent_heat: 200 kJ/kg, "
+                           "solidus: 1250 K, liquidus: 1350 K, conductivity: 60 W/m/K, viscosity: 5 mPa.s }";
+static const double film_thickness = 1e-4, film_time = 0.5; // m, s
+enum { FILM_STEPS = 10000, ODE_STEPS = 20000 };
+
+static double film_rate(const Material *melt, const ContactLaw *law, double E)
+{
+  const double T = material_temperature(melt, E), kappa = table_evaluate(&melt->conductivity_of_t, T);
+  const double resistance = 1.0 / contact_law_at(law, melt, T) + 0.5 * film_thickness / kappa;
+  return -(T - cold) / (resistance * melt->density * film_thickness);
+}
+
+static double film_enthalpy(const Material *melt, const ContactLaw *law)
+{
+  double E = material_enthalpy(melt, hot);
+  const double dt = film_time / ODE_STEPS;
+  for (int n = 0; n < ODE_STEPS; n++) {
+    const double k1 = film_rate(melt, law, E), k2 = film_rate(melt, law, E + 0.5 * dt * k1);
+    const double k3 = film_rate(melt, law, E + 0.5 * dt * k2), k4 = film_rate(melt, law, E + dt * k3);
+    E += dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+  }
+  return E;
+}
+
+static void check_film(const char *what, const ContactLaw *law)
+{
+  const double start = validation_cpu_time();
+  const ContactLaws laws = {.elsewhere = *law};
+  const MeltCase given = {
+      .spacing = film_thickness,
+      .columns = 8,
+      .layers = 1,
+      .slab = {.depth = 1.5e-3, .kappa = 1.0, .rho = 1800.0, .c = 1100.0, .modes = 2, .cells = {1, 1}},
+      .coupling = {.kind = COUPLING_SURFACE, .mould_frozen = true, .contact = &laws},
+      .material = FILM,
+      .hot = hot,
+      .preheat = cold,
+      .ambient = 300.0};
+  MeltOnMould melt;
+  melt_on_mould_create(&given, &melt);
+  for (int n = 0; n < FILM_STEPS; n++) melt_on_mould_step(&melt, film_time / FILM_STEPS);
+  const double E = film_enthalpy(&melt.melt, law), E_hot = material_enthalpy(&melt.melt, hot);
+  const double T = material_temperature(&melt.melt, E), found = melt.particles.T[0];
+  const double error = 100.0 * fabs(melt.particles.E[0] - E) / (E_hot - E);
+  validation_write(&(ValidationRow){
+      "H5", validation_text("film of 0.1 mm at %g s, %s", film_time, what),
+      validation_text("%.2f degC (ordinary differential equation)", T - 273.15),
+      validation_text("%.2f degC", found - 273.15), validation_text("%.3f %% of the heat given up", error),
+      validation_text("%.0f %%", target), validation_text("%d steps", FILM_STEPS), validation_cpu_time() - start});
+  assert_true(error < target);
+  assert_true(T < 1350.0 && T > cold + 10.0); // it is freezing or frozen, and not yet cold: the table matters
+  melt_on_mould_destroy(&melt);
+}
+
+static void a_film_cools_as_a_table_of_temperature_says(void **state)
+{
+  (void)state;
+  double T[] = {1100.0, 1300.0, 1400.0}, h[] = {200.0, 1000.0, 4000.0};
+  check_film("h of temperature", &(ContactLaw){.basis = CONTACT_OF_TEMPERATURE, .table = {3, T, h}});
+}
+
+static void a_film_cools_in_three_stages_as_a_gap_opens(void **state)
+{
+  (void)state;
+  double fraction[] = {0.3, 0.8}, h[] = {2000.0, 200.0};
+  check_film("h of solid fraction, three stages",
+             &(ContactLaw){.basis = CONTACT_OF_SOLID_FRACTION, .table = {2, fraction, h}});
+}
+
 int main(void)
 {
   omp_set_num_threads(1); // too few particles for more
   validation_begin("H5");
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(heat_through_an_interface_resistance_follows_the_closed_form),
+      cmocka_unit_test(a_film_cools_as_a_table_of_temperature_says),
+      cmocka_unit_test(a_film_cools_in_three_stages_as_a_gap_opens),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
