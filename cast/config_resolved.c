@@ -165,7 +165,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   if (c->n_part) fputs("part: [", out);
   for (size_t i = 0; i < c->n_part; i++) {
     if (i) fputs(", ", out);
-    put_text(out, c->part[i]);
+    config_put_text(out, c->part[i]);
   }
   if (c->n_part) fputs("]\n", out);
   put_output(out, &c->output);
