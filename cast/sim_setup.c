@@ -135,7 +135,7 @@ CastStatus sim_setup_geometry(Sim *sim, CastError *err)
       c->rom_path);
   CAST_CALL(hash_file(c->rom_path, sim->rom_sha256, err));
   const double support = kernel_support(c->kernel) * c->smoothing * c->spacing;
-  CAST_CALL(surface_create(sim->rom, support + neighbours_skin(c->spacing), &sim->surface, err));
+  CAST_CALL(surface_create(sim->rom, neighbours_range(support, neighbours_skin(c->spacing)), &sim->surface, err));
   choose_origin(sim);
   set_sph(sim);
   return CAST_OK;

@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/physics/dispatch.h"
+#include "cast/kernel/dispatch.h"
 
 enum { CHUNK_ROWS = 32 };
 static const double PARALLEL_SIZE = 65536.0; // r m from which threads pay: below it a step takes a few tens of us

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "cast/mould/band.h"
-#include "cast/physics/dispatch.h"
+#include "cast/kernel/dispatch.h"
 
 enum { WALK = 8 };
 

@@ -18,15 +18,16 @@ static void bounds(ptrdiff_t n, const double *x, double *low, double *high)
 {
   double least = n > 0 ? x[0] : 0.0, most = least;
 #pragma omp parallel for simd reduction(min : least) reduction(max : most)
-  for (ptrdiff_t i = 0; i < n; i++) {
-    least = fmin(least, x[i]);
-    most = fmax(most, x[i]);
+  for (ptrdiff_t i = 0; i < n; i++) { // not fmin, fmax: these care for NaN and are calls
+    least = x[i] < least ? x[i] : least;
+    most = x[i] > most ? x[i] : most;
   }
   *low = least;
   *high = most;
 }
 
-/* Choose cells of at least reach/CELLS_SPAN that cover the points; a lone particle far away makes them coarser. */
+/* Choose cells of at least reach/CELLS_SPAN that cover the points; a lone particle far away makes them coarser. Cells
+ * begin at multiples of their size: grids over different points for the same reach have cells in common. */
 static void lay_grid(Cells *c, double *const x[3], double reach, const double period[3])
 {
   double high[3];
@@ -39,10 +40,13 @@ static void lay_grid(Cells *c, double *const x[3], double reach, const double pe
       bounds(c->n, x[d], &c->low[d], &high[d]);
     }
   }
-  const double most = 4.0 * (double)c->n + 4096.0;
+  const double most = 4.0 * (double)c->n + 4096.0, bottom[3] = {c->low[0], c->low[1], c->low[2]};
   for (double least = reach / CELLS_SPAN, cells = 2.0 * most; cells > most; least *= 1.3) {
     cells = 1.0;
-    for (int d = 0; d < 3; d++) cells *= floor((high[d] - c->low[d]) / least) + 1.0;
+    for (int d = 0; d < 3; d++) {
+      c->low[d] = c->periodic[d] ? 0.0 : least * floor(bottom[d] / least);
+      cells *= floor((high[d] - c->low[d]) / least) + 1.0;
+    }
     for (int d = 0; d < 3 && cells <= most; d++) {
       const double length = high[d] - c->low[d];
       const int32_t fit = (int32_t)floor(length / least);
@@ -112,16 +116,23 @@ static int axis_ranges(const Cells *c, int d, int32_t at, Range range[2])
   return n; // at most two: a periodic axis has more than 2 span cells
 }
 
+void cells_locate(const Cells *c, const double x[3], int32_t cell[3])
+{
+  for (int d = 0; d < 3; d++) {
+    // beyond the grid by more than the span no cell is near; the clamp keeps the conversion to int32 defined
+    const double at = floor((x[d] - c->low[d]) / c->size[d]);
+    const double least = -CELLS_SPAN - 1, most = c->count[d] + CELLS_SPAN + 1;
+    cell[d] = (int32_t)(at < least ? least : at > most ? most : at);
+  }
+}
+
 int cells_runs(const Cells *c, const double x[3], CellRun run[CELLS_RUNS])
 {
   Range range[3][2];
   int n_range[3];
-  for (int d = 0; d < 3; d++) {
-    // beyond the grid by more than the span no cell is near; the clamp keeps the conversion to int32 defined
-    const double cell = floor((x[d] - c->low[d]) / c->size[d]);
-    const double least = -CELLS_SPAN - 1, most = c->count[d] + CELLS_SPAN + 1;
-    n_range[d] = axis_ranges(c, d, (int32_t)fmin(fmax(cell, least), most), range[d]);
-  }
+  int32_t cell[3];
+  cells_locate(c, x, cell);
+  for (int d = 0; d < 3; d++) n_range[d] = axis_ranges(c, d, cell[d], range[d]);
   int n = 0;
   for (int rz = 0; rz < n_range[2]; rz++)
     for (int32_t z = range[2][rz].first; z < range[2][rz].end; z++)

@@ -30,6 +30,9 @@ CastStatus cells_sort(Cells *cells, ptrdiff_t n, double *const x[3], double reac
                       CastError *err);
 void cells_free(Cells *cells);
 
+/* The cell of a place, as numbers along each axis; beyond the grid by more than the span: some cell out there. */
+void cells_locate(const Cells *cells, const double x[3], int32_t cell[3]);
+
 /* Runs of sorted points in the cells around a place. `shift` is to be added to the points' positions (periodic images).
  */
 typedef struct CellRun {

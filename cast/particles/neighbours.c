@@ -1,18 +1,20 @@
 /* Neighbour lists: grid of cells, particles sorted by cell, then for each particle the points of the cells around it
  * tested against its distance (Verlet lists with a skin).
- * Every list is built by rows that threads take in contiguous shares, so a list does not depend on their number. */
+ * Lists are built by rows that threads take in contiguous shares, so a list does not depend on their number; the walls'
+ * is the transpose of the fluid's. */
 #include "cast/particles/neighbours.h"
 
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "cast/particles/approach.h"
 #include "cast/particles/cells.h"
 #include "cast/particles/pair_list.h"
+#include "cast/particles/vicinity.h"
 
 struct Neighbours {
-  double reach, skin;
+  double reach, skin, wall_skin; // m; skin: between fluid particles
   const Surface *surface;
   double period[3];
   Cells fluid_cells, wall_cells;
@@ -23,6 +25,8 @@ struct Neighbours {
   double *swap;           // [n_fluid] room for sorting
   ptrdiff_t n_fluid, capacity;
   PairList fluid_fluid, fluid_wall, wall_fluid;
+  RowBuffers buffers;
+  Approach approach;
   long builds;
 };
 
@@ -31,20 +35,28 @@ double neighbours_skin(double spacing)
   return 0.25 * spacing;
 }
 
+/* Melt moves faster past a wall than past melt nearby: walls have twice the skin. */
+double neighbours_range(double reach, double skin)
+{
+  return reach + 2.0 * skin;
+}
+
 static CastStatus create(double reach, double skin, const Surface *surface, const double period[3], Neighbours **out,
                          CastError *err)
 {
   *out = NULL;
   CAST_CHECK(reach > 0.0 && skin >= 0.0 && isfinite(reach + skin), err, CAST_ERR_ARGUMENT,
              "neighbours: reach %g m and skin %g m must be positive", reach, skin);
+  const double range = neighbours_range(reach, skin);
   for (int d = 0; d < 3; d++)
-    CAST_CHECK(period[d] == 0.0 || period[d] >= 2.5 * (reach + skin), err, CAST_ERR_ARGUMENT,
+    CAST_CHECK(period[d] == 0.0 || period[d] >= 2.5 * range, err, CAST_ERR_ARGUMENT,
                "neighbours: period %g m along axis %d is below 2.5 times the reach with skin, %g m", period[d], d,
-               reach + skin);
+               range);
   Neighbours *nb = calloc(1, sizeof *nb);
   CAST_CHECK(nb, err, CAST_ERR_MEMORY, "neighbours: no memory");
   nb->reach = reach;
   nb->skin = skin;
+  nb->wall_skin = range - reach;
   nb->surface = surface;
   nb->n_wall = -1;
   memcpy(nb->period, period, sizeof nb->period);
@@ -78,6 +90,8 @@ void neighbours_destroy(Neighbours **neighbours)
   pair_list_free(&nb->fluid_fluid);
   pair_list_free(&nb->fluid_wall);
   pair_list_free(&nb->wall_fluid);
+  row_buffers_free(&nb->buffers);
+  approach_free(&nb->approach);
   free(nb);
   *neighbours = NULL;
 }
@@ -97,16 +111,30 @@ static CastStatus check_positions(const Particles *p, CastError *err)
   return CAST_OK;
 }
 
-static bool moved_far(const Neighbours *nb, const Particles *p)
+static double longest_way(const Neighbours *nb, const Particles *p)
 {
-  double most = 0.0;
-#pragma omp parallel for simd reduction(max : most)
+  double longest2 = 0.0;
+#pragma omp parallel for simd reduction(max : longest2)
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
     const double dx = p->x[0][i] - nb->built_at[0][i], dy = p->x[1][i] - nb->built_at[1][i],
-                 dz = p->x[2][i] - nb->built_at[2][i];
-    most = fmax(most, dx * dx + dy * dy + dz * dz);
+                 dz = p->x[2][i] - nb->built_at[2][i], way2 = dx * dx + dy * dy + dz * dz;
+    longest2 = way2 > longest2 ? way2 : longest2;
   }
-  return most > 0.25 * nb->skin * nb->skin;
+  return sqrt(longest2);
+}
+
+/* Lists hold while no pair that they lack can have come within reach. Walls stand still. */
+static CastStatus find_due(Neighbours *nb, const Particles *p, bool *due, CastError *err)
+{
+  *due = nb->builds == 0 || nb->n_fluid != p->n_fluid;
+  if (*due) return CAST_OK;
+  const double longest = longest_way(nb, p);
+  *due = !(longest <= nb->wall_skin && longest <= 0.5 * nb->reach); // beyond: particles of distant blocks might meet
+  if (*due || longest <= 0.5 * nb->skin) return CAST_OK;
+  double nearer;
+  CAST_CALL(approach_bound(&nb->approach, &nb->fluid_cells, p->x, nb->built_at, &nearer, err));
+  *due = nearer > nb->skin;
+  return CAST_OK;
 }
 
 /* ---- sorting ---- */
@@ -172,7 +200,7 @@ static CastStatus sort_walls(Neighbours *nb, const Particles *p, CastError *err)
   const ptrdiff_t n = p->n - p->n_fluid;
   if (nb->n_wall == n) return CAST_OK; // walls never move
   double *const x[3] = {p->x[0] + p->n_fluid, p->x[1] + p->n_fluid, p->x[2] + p->n_fluid};
-  CAST_CALL(cells_sort(&nb->wall_cells, n, x, nb->reach + nb->skin, nb->period, err));
+  CAST_CALL(cells_sort(&nb->wall_cells, n, x, nb->reach + nb->wall_skin, nb->period, err));
   for (int d = 0; d < 3; d++) {
     free(nb->sorted_wall[d]);
     nb->sorted_wall[d] = malloc((size_t)(n > 0 ? n : 1) * sizeof(double));
@@ -215,78 +243,51 @@ static bool wall_separated(const Neighbours *nb, const Particles *p, ptrdiff_t i
   return !walls_seen(nb->surface, x, place, foot, normal, p->echo[k]);
 }
 
-typedef enum RowKind { FLUID_FLUID, FLUID_WALL, WALL_FLUID } RowKind;
+typedef enum RowKind { FLUID_FLUID, FLUID_WALL } RowKind;
 
 typedef struct RowContext {
   const Neighbours *nb;
   const Particles *p;
   RowKind kind;
+  SortedPoints points; // to look among
 } RowContext;
 
-/* Drop from a row the particle itself and what the mould hides from it; returns the new length. */
-static ptrdiff_t sift_row(const RowContext *c, ptrdiff_t row, ptrdiff_t n, int32_t *index)
+/* Drop the particle itself from its row; returns the new length. */
+static ptrdiff_t drop_self(ptrdiff_t row, ptrdiff_t n, int32_t *index)
+{
+  ptrdiff_t at = 0;
+  while (at < n && index[at] != row) at++;
+  if (at == n) return n; // its cell has moved on by rounding: it was not among the candidates
+  memmove(index + at, index + at + 1, (size_t)(n - at - 1) * sizeof *index);
+  return n - 1;
+}
+
+/* Drop from a row what the mould hides from the particle; returns the new length. */
+static ptrdiff_t drop_hidden(const RowContext *c, ptrdiff_t row, ptrdiff_t n, int32_t *index)
 {
   ptrdiff_t kept = 0;
   for (ptrdiff_t k = 0; k < n; k++) {
     const int32_t j = index[k];
-    bool drop = false;
-    if (c->kind == FLUID_FLUID)
-      drop = j == row || (c->nb->surface && fluid_separated(c->nb, c->p, row, j));
-    else if (c->nb->surface)
-      drop = c->kind == FLUID_WALL ? wall_separated(c->nb, c->p, row, j)
-                                   : wall_separated(c->nb, c->p, j, row + c->p->n_fluid);
+    const bool hidden =
+        c->kind == FLUID_FLUID ? fluid_separated(c->nb, c->p, row, j) : wall_separated(c->nb, c->p, row, j);
     index[kept] = j;
-    kept += !drop;
+    kept += !hidden;
   }
   return kept;
-}
-
-/* ---- rows: near points of the cells around ---- */
-
-/* Points of a run within `reach2` of x, as their places in the sorted array; returns how many. */
-static ptrdiff_t near_in_run(const CellRun *run, double *const sorted[3], const double x[3], double reach2,
-                             int32_t *place)
-{
-  enum { CHUNK = 256 };
-  const double at[3] = {x[0] - run->shift[0], x[1] - run->shift[1], x[2] - run->shift[2]};
-  ptrdiff_t n = 0;
-  for (ptrdiff_t first = run->first; first < run->end; first += CHUNK) {
-    const ptrdiff_t m = run->end - first < CHUNK ? run->end - first : CHUNK;
-    const double *px = sorted[0] + first, *py = sorted[1] + first, *pz = sorted[2] + first;
-    double r2[CHUNK];
-#pragma omp simd
-    for (ptrdiff_t k = 0; k < m; k++) {
-      const double dx = px[k] - at[0], dy = py[k] - at[1], dz = pz[k] - at[2];
-      r2[k] = dx * dx + dy * dy + dz * dz;
-    }
-    for (ptrdiff_t k = 0; k < m; k++) { // no branch: a third of the points is near, at random
-      place[n] = (int32_t)(first + k);
-      n += r2[k] < reach2;
-    }
-  }
-  return n;
 }
 
 static bool fill_row(const void *context, ptrdiff_t row, RowBuffer *buffer)
 {
   const RowContext *c = context;
   const Neighbours *nb = c->nb;
-  const ptrdiff_t self = c->kind == WALL_FLUID ? row + c->p->n_fluid : row;
-  const Cells *cells = c->kind == FLUID_WALL ? &nb->wall_cells : &nb->fluid_cells;
-  double *const *sorted = c->kind == FLUID_WALL ? nb->sorted_wall : c->p->x;
-  const double x[3] = {c->p->x[0][self], c->p->x[1][self], c->p->x[2][self]};
-  const double reach = nb->reach + nb->skin;
-  CellRun run[CELLS_RUNS];
-  const int n_run = cells_runs(cells, x, run);
-  ptrdiff_t room = 0;
-  for (int r = 0; r < n_run; r++) room += run[r].end - run[r].first;
-  if (!row_buffer_reserve(buffer, room)) return false;
+  const double x[3] = {c->p->x[0][row], c->p->x[1][row], c->p->x[2][row]};
+  const double reach = nb->reach + (c->kind == FLUID_FLUID ? nb->skin : nb->wall_skin);
+  vicinity_move_to(&buffer->vicinity, &c->points, x);
+  if (!row_buffer_reserve(buffer, buffer->vicinity.room)) return false;
   int32_t *index = buffer->index + buffer->n;
-  ptrdiff_t n = 0;
-  for (int r = 0; r < n_run; r++) n += near_in_run(&run[r], sorted, x, reach * reach, index + n);
-  if (c->kind == FLUID_WALL)
-    for (ptrdiff_t k = 0; k < n; k++) index[k] = (int32_t)c->p->n_fluid + cells->order[index[k]];
-  if (c->kind == FLUID_FLUID || nb->surface) n = sift_row(c, row, n, index);
+  ptrdiff_t n = vicinity_select(&buffer->vicinity, &c->points, x, reach * reach, index);
+  if (c->kind == FLUID_FLUID) n = drop_self(row, n, index);
+  if (nb->surface && nb->thin[row]) n = drop_hidden(c, row, n, index);
   buffer->n += n;
   return true;
 }
@@ -300,9 +301,12 @@ static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
   CAST_CALL(cells_sort(&nb->fluid_cells, p->n_fluid, p->x, nb->reach + nb->skin, nb->period, err));
   sort_fluid(nb, p);
   find_thin(nb, p);
-  CAST_CALL(pair_list_build(&nb->fluid_fluid, p->n_fluid, fill_row, &(RowContext){nb, p, FLUID_FLUID}, err));
-  CAST_CALL(pair_list_build(&nb->fluid_wall, p->n_fluid, fill_row, &(RowContext){nb, p, FLUID_WALL}, err));
-  CAST_CALL(pair_list_build(&nb->wall_fluid, p->n - p->n_fluid, fill_row, &(RowContext){nb, p, WALL_FLUID}, err));
+  const RowContext melt = {nb, p, FLUID_FLUID, {&nb->fluid_cells, p->x, NULL, 0}};
+  const RowContext wall = {
+      nb, p, FLUID_WALL, {&nb->wall_cells, nb->sorted_wall, nb->wall_cells.order, (int32_t)p->n_fluid}};
+  CAST_CALL(pair_list_build(&nb->fluid_fluid, p->n_fluid, fill_row, &melt, &nb->buffers, err));
+  CAST_CALL(pair_list_build(&nb->fluid_wall, p->n_fluid, fill_row, &wall, &nb->buffers, err));
+  CAST_CALL(pair_list_transpose(&nb->fluid_wall, (int32_t)p->n_fluid, p->n - p->n_fluid, &nb->wall_fluid, err));
   for (int d = 0; d < 3; d++) memcpy(nb->built_at[d], p->x[d], (size_t)p->n_fluid * sizeof(double));
   nb->builds++;
   return CAST_OK;
@@ -310,7 +314,9 @@ static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
 
 CastStatus neighbours_update(Neighbours *nb, Particles *particles, bool force, bool *rebuilt, CastError *err)
 {
-  const bool due = force || nb->builds == 0 || nb->n_fluid != particles->n_fluid || moved_far(nb, particles);
+  bool due;
+  CAST_CALL(find_due(nb, particles, &due, err));
+  due = due || force;
   if (rebuilt) *rebuilt = due;
   return due ? build(nb, particles, err) : CAST_OK;
 }

@@ -20,23 +20,26 @@ typedef struct Neighbours Neighbours;
 /* A skin, m, that measured best for particles of this spacing (docs/performance): longer lists cost every step, shorter
  * ones are rebuilt more often. */
 double neighbours_skin(double spacing);
-/*  reach    m: the kernel's support radius;  skin  m: added to it, so lists last until something moved skin/2
+double neighbours_range(double reach, double skin); // m, no pair in the lists was farther apart when they were built
+/*  reach    m: the kernel's support radius
+ *  skin     m: added to it (twice for pairs with walls), so lists last until particles may have come nearer to each
+ *           other by so much
  *  surface  borrowed; pairs that the mould separates are left out (NULL: no such test) */
 CastStatus neighbours_create(double reach, double skin, const Surface *surface, Neighbours **neighbours,
                              CastError *err);
 /* The same in a domain that repeats: period[d] m along axis d, 0: it does not. Fluid particles are brought back into
  * [0, period) when lists are rebuilt, walls must lie there. For channels; no surface.
- * Errors also: CAST_ERR_ARGUMENT for a period below 2.5 (reach + skin), where a pair would meet its own image. */
+ * Errors also: CAST_ERR_ARGUMENT for a period below 2.5 times the range, where a pair would meet its own image. */
 CastStatus neighbours_create_periodic(double reach, double skin, const double period[3], Neighbours **neighbours,
                                       CastError *err);
 const double *neighbours_period(const Neighbours *neighbours); // [3] m, 0 where the domain does not repeat
 void neighbours_destroy(Neighbours **neighbours);
-/* Rebuild if a particle moved more than skin/2 since the last build, or `force`. Re-sorts the fluid particles in space
- * (all their fields). `rebuilt` tells whether indices changed. Errors: CAST_ERR_MEMORY; CAST_ERR_NUMERIC for a position
- * that is not finite, naming the particle. */
+/* Rebuild if a pair that is not listed may have come within reach since the last build, or `force`. Re-sorts the fluid
+ * particles in space (all their fields). `rebuilt` tells whether indices changed. Errors: CAST_ERR_MEMORY;
+ * CAST_ERR_NUMERIC for a position that is not finite, naming the particle. */
 CastStatus neighbours_update(Neighbours *neighbours, Particles *particles, bool force, bool *rebuilt, CastError *err);
 /* Fluid i -> fluid j; fluid i -> wall j (j is a particle index >= n_fluid); wall k -> fluid j (row k = wall index).
- * Entries may lie beyond reach (up to reach + skin): kernels vanish there. */
+ * Entries may lie beyond reach: kernels vanish there. */
 const PairList *neighbours_fluid_fluid(const Neighbours *neighbours);
 const PairList *neighbours_fluid_wall(const Neighbours *neighbours);
 const PairList *neighbours_wall_fluid(const Neighbours *neighbours);

@@ -5,7 +5,7 @@
 #include "cast/physics/sweep.h"
 
 #include "cast/physics/block.h"
-#include "cast/physics/dispatch.h"
+#include "cast/kernel/dispatch.h"
 
 enum { ROWS_PER_TASK = 128 };
 

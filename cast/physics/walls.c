@@ -1,7 +1,7 @@
 /* Wall particles take the pressure that holds the melt off, and the velocity that makes it stick.
  * References  Adami, Hu & Adams 2012, J. Comput. Phys. 231; docs/theory, eq. 17 */
 #include "cast/physics/block.h"
-#include "cast/physics/dispatch.h"
+#include "cast/kernel/dispatch.h"
 #include "cast/physics/sweep.h"
 
 enum { WALLS_PER_TASK = 256 };

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "cast/particles/neighbours.h"
+#include "cast/particles/vicinity.h"
 #include "tests/support/shaped_mould.h"
 
 enum { FLUID = 1500, WALLS = 700 };
@@ -61,11 +62,12 @@ static double distance2(const Particles *p, ptrdiff_t i, ptrdiff_t j, const doub
   return sum;
 }
 
-/* Each row holds exactly the pairs nearer than reach + skin, each once, none twice. */
+/* Each row holds exactly the pairs nearer than reach and skin, each once, none twice. */
 static void check_list(const Particles *p, const PairList *list, ptrdiff_t row_base, ptrdiff_t from, ptrdiff_t to,
                        const double period[3])
 {
-  const double limit = (reach + skin) * (reach + skin);
+  const bool walls = row_base > 0 || from > 0;
+  const double range = walls ? neighbours_range(reach, skin) : reach + skin, limit = range * range;
   unsigned char *seen = calloc((size_t)p->n, 1);
   for (ptrdiff_t row = 0; row < list->n; row++) {
     memset(seen, 0, (size_t)p->n);
@@ -133,7 +135,7 @@ static void a_period_too_short_is_refused(void **unused)
   (void)unused;
   CastError err;
   Neighbours *nb = NULL;
-  const double period[3] = {1.0, 2.4 * (reach + skin), 0.0};
+  const double period[3] = {1.0, 2.4 * neighbours_range(reach, skin), 0.0};
   assert_int_equal(neighbours_create_periodic(reach, skin, period, &nb, &err), CAST_ERR_ARGUMENT);
   assert_null(nb);
   assert_non_null(strstr(err.message, "axis 1"));
@@ -167,7 +169,7 @@ static void sorting_moves_all_fields_of_a_particle_together(void **unused)
   particles_destroy(&before);
 }
 
-static void lists_last_until_a_particle_moved_half_the_skin(void **unused)
+static void lists_last_until_particles_may_have_come_nearer_by_the_skin(void **unused)
 {
   (void)unused;
   CastError err;
@@ -176,16 +178,93 @@ static void lists_last_until_a_particle_moved_half_the_skin(void **unused)
   bool rebuilt;
   ok(neighbours_create(reach, skin, NULL, &nb, &err), &err);
   ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+  const int32_t near = neighbours_fluid_fluid(nb)->index[neighbours_fluid_fluid(nb)->start[17]];
   p.x[1][17] += 0.49 * skin;
+  p.x[1][near] -= 0.49 * skin;
   ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
   assert_false(rebuilt);
-  p.x[1][17] += 0.02 * skin;
+  p.x[1][17] += 0.03 * skin;
   ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
   assert_true(rebuilt);
   ok(neighbours_update(nb, &p, true, &rebuilt, &err), &err);
   assert_true(rebuilt);
   assert_int_equal(neighbours_builds(nb), 3);
   check_lists(&p, nb);
+  neighbours_destroy(&nb);
+  particles_destroy(&p);
+}
+
+/* Two halves fly apart, faster than the skin would allow if they were near each other. */
+static void melt_far_apart_may_go_different_ways(void **unused)
+{
+  (void)unused;
+  CastError err;
+  Particles p = cloud(5, false);
+  Neighbours *nb = NULL;
+  bool rebuilt;
+  for (int i = 0; i < FLUID; i++) p.x[0][i] += i % 2 ? 2.0 : 0.0;
+  ok(neighbours_create(reach, skin, NULL, &nb, &err), &err);
+  ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+  for (int i = 0; i < FLUID; i++) p.x[0][i] += (p.x[0][i] > 1.5 ? 0.9 : -0.9) * skin;
+  ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+  assert_false(rebuilt);
+  neighbours_destroy(&nb);
+  particles_destroy(&p);
+}
+
+/* Melt that moves as one keeps its pairs, but not its walls. */
+static void melt_that_moves_as_one_needs_new_lists_for_the_walls_alone(void **unused)
+{
+  (void)unused;
+  CastError err;
+  Particles p = cloud(5, false);
+  Neighbours *nb = NULL;
+  bool rebuilt;
+  ok(neighbours_create(reach, skin, NULL, &nb, &err), &err);
+  ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+  const double wall_skin = neighbours_range(reach, skin) - reach;
+  for (int i = 0; i < FLUID; i++) p.x[0][i] += 0.98 * wall_skin;
+  ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+  assert_false(rebuilt);
+  for (int i = 0; i < FLUID; i++) p.x[0][i] += 0.03 * wall_skin;
+  ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+  assert_true(rebuilt);
+  neighbours_destroy(&nb);
+  particles_destroy(&p);
+}
+
+/* Whatever way particles go until lists are made anew, no pair within reach is missing from them. */
+static void no_pair_comes_within_reach_unlisted(void **unused)
+{
+  (void)unused;
+  CastError err;
+  Particles p = cloud(6, false);
+  Neighbours *nb = NULL;
+  ok(neighbours_create(reach, skin, NULL, &nb, &err), &err);
+  ok(neighbours_update(nb, &p, false, NULL, &err), &err);
+  unsigned long long seed = 31;
+  int kept = 0;
+  for (int step = 0; step < 40; step++) { // a flow that turns one way below and the other above, and noise
+    for (int i = 0; i < FLUID; i++) {
+      const double turn = 0.3 * skin * (p.x[2][i] < 0.5 ? 1.0 : -1.0);
+      p.x[0][i] -= turn * (p.x[1][i] - 0.5);
+      p.x[1][i] += turn * (p.x[0][i] - 0.5);
+      for (int d = 0; d < 3; d++) p.x[d][i] += 0.04 * skin * (random_unit(&seed) - 0.5);
+    }
+    bool rebuilt;
+    ok(neighbours_update(nb, &p, false, &rebuilt, &err), &err);
+    kept += !rebuilt;
+    const PairList *lists[2] = {neighbours_fluid_fluid(nb), neighbours_fluid_wall(nb)};
+    long near = 0, listed = 0;
+    for (ptrdiff_t i = 0; i < FLUID; i++)
+      for (ptrdiff_t j = 0; j < p.n; j++) near += j != i && distance2(&p, i, j, neighbours_period(nb)) < reach * reach;
+    for (int l = 0; l < 2; l++)
+      for (ptrdiff_t i = 0; i < FLUID; i++)
+        for (ptrdiff_t k = lists[l]->start[i]; k < lists[l]->start[i + 1]; k++)
+          listed += distance2(&p, i, lists[l]->index[k], neighbours_period(nb)) < reach * reach;
+    assert_int_equal(near, listed);
+  }
+  assert_true(kept > 10);
   neighbours_destroy(&nb);
   particles_destroy(&p);
 }
@@ -277,6 +356,38 @@ static void a_thin_mould_wall_keeps_two_basins_apart(void **unused)
   rom_destroy(&rom);
 }
 
+static void points_near_a_place_are_found_with_and_without_vectors(void **unused)
+{
+  (void)unused;
+  CastError err;
+  Particles p = cloud(23, false);
+  Cells cells = {0};
+  Vicinity near = {0};
+  const double period[3] = {1.0, 0.0, 0.0};
+  double *sorted[3];
+  ok(cells_sort(&cells, FLUID, p.x, reach, period, &err), &err);
+  for (int d = 0; d < 3; d++) {
+    sorted[d] = malloc(FLUID * sizeof(double));
+    for (int k = 0; k < FLUID; k++) sorted[d][k] = p.x[d][cells.order[k]];
+  }
+  const SortedPoints points = {&cells, sorted, cells.order, 1000};
+  long found = 0;
+  for (int i = 0; i < FLUID; i++) {
+    const double x[3] = {p.x[0][i], p.x[1][i], p.x[2][i]};
+    vicinity_move_to(&near, &points, x);
+    int32_t fast[2 * FLUID], plain[2 * FLUID];
+    assert_true(near.room <= 2 * FLUID);
+    const ptrdiff_t n = vicinity_select(&near, &points, x, reach * reach, fast);
+    assert_int_equal(n, vicinity_select_plain(&near, &points, x, reach * reach, plain));
+    assert_memory_equal(fast, plain, (size_t)n * sizeof *fast);
+    found += n;
+  }
+  assert_true(found > 10 * FLUID);
+  cells_free(&cells);
+  for (int d = 0; d < 3; d++) free(sorted[d]);
+  particles_destroy(&p);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -284,7 +395,11 @@ int main(void)
       cmocka_unit_test(a_periodic_domain_pairs_nearest_images),
       cmocka_unit_test(a_period_too_short_is_refused),
       cmocka_unit_test(sorting_moves_all_fields_of_a_particle_together),
-      cmocka_unit_test(lists_last_until_a_particle_moved_half_the_skin),
+      cmocka_unit_test(lists_last_until_particles_may_have_come_nearer_by_the_skin),
+      cmocka_unit_test(melt_far_apart_may_go_different_ways),
+      cmocka_unit_test(melt_that_moves_as_one_needs_new_lists_for_the_walls_alone),
+      cmocka_unit_test(no_pair_comes_within_reach_unlisted),
+      cmocka_unit_test(points_near_a_place_are_found_with_and_without_vectors),
       cmocka_unit_test(a_position_that_is_not_finite_is_told_with_its_particle),
       cmocka_unit_test(lists_are_the_same_on_any_number_of_threads),
       cmocka_unit_test(a_thin_mould_wall_keeps_two_basins_apart),
