@@ -25,10 +25,20 @@ typedef struct BoundaryConfig { // a named outer surface
   double h; // W/(m2 K)
 } BoundaryConfig;
 
+typedef enum LayersKind { LAYERS_NONE, LAYERS_AUTO, LAYERS_GIVEN } LayersKind;
+
+typedef struct LayersConfig { // thin layers of elements at the wall
+  LayersKind kind;
+  double first;  // m, height of the first; 0: from the thermal depth at t_start
+  double growth; // of each layer over the one before
+  int count;     // at most
+} LayersConfig;
+
 typedef struct CavitySurfaceConfig { // a named part of the cavity wall
   char name[NAME_LENGTH];
   double patch_size; // m, edge of the square of a patch's target area; 0: one patch for the whole surface
   double mesh_size;  // m, at this surface
+  LayersConfig layers;
 } CavitySurfaceConfig;
 
 typedef struct GroupConfig { // names for a geometry that has none (STEP): entities by tag or by bounding box
@@ -80,6 +90,7 @@ typedef struct ReduceConfig {
   BoundaryConfig *boundary;
   size_t n_cavity;
   CavitySurfaceConfig *cavity;
+  double contact;      // W/(m2 K), the best contact with the melt that is expected; 0: perfect
   double outside_size; // m, mesh size far from the cavity
   double growth;       // size gained per length away from the cavity wall: size = cavity size + growth * distance
   double band;         // m, thickness of the near-wall band kept in the ROM

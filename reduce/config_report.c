@@ -42,6 +42,18 @@ static void print_regions(const ReduceConfig *config, FILE *out)
   }
 }
 
+static void print_layers(const CavitySurfaceConfig *surface, FILE *out)
+{
+  const LayersConfig *layers = &surface->layers;
+  if (layers->kind == LAYERS_NONE) return;
+  fprintf(out, "cavity.surfaces         %s: layers, the first ", surface->name);
+  if (layers->first > 0)
+    fprintf(out, "%g m", layers->first);
+  else
+    fprintf(out, "by the thermal depth at the first time");
+  fprintf(out, ", growing by %g, %d at most\n", layers->growth, layers->count);
+}
+
 static void print_surfaces(const ReduceConfig *config, FILE *out)
 {
   for (size_t i = 0; i < config->n_boundaries; i++) {
@@ -61,7 +73,9 @@ static void print_surfaces(const ReduceConfig *config, FILE *out)
       fprintf(out, "one patch");
     if (surface->mesh_size > 0) fprintf(out, ", mesh size %g m", surface->mesh_size);
     fprintf(out, "\n");
+    print_layers(surface, out);
   }
+  if (config->contact > 0) fprintf(out, "cavity.contact          %g W/(m2 K) at best\n", config->contact);
 }
 
 static void print_reduction(const ReductionConfig *reduction, FILE *out)

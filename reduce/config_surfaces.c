@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { MOST_LAYERS = 60 };
+
 static void read_boundary(YamlNode node, BoundaryConfig *boundary)
 {
   static const char *const kinds[] = {"robin", "insulated", "fixed", NULL};
@@ -31,6 +33,33 @@ static CastStatus read_boundaries(YamlNode boundaries, ReduceConfig *config, Cas
   return CAST_OK;
 }
 
+static const LayersConfig NO_LAYERS = {LAYERS_NONE, 0.0, 1.4, MOST_LAYERS};
+
+static void read_given_layers(YamlNode node, LayersConfig *layers)
+{
+  layers->kind = LAYERS_GIVEN;
+  layers->first = yaml_quantity(yaml_require(node, "first"), "m", YAML_POSITIVE, NAN);
+  layers->growth = yaml_quantity(yaml_get(node, "growth"), "1", (YamlRange){1.0, 3.0, false}, NO_LAYERS.growth);
+  layers->count = (int)yaml_integer(yaml_get(node, "count"), 1, MOST_LAYERS, MOST_LAYERS);
+}
+
+/* 'none', 'auto' or {first, growth, count}; absent: as the cavity as a whole has it. */
+static LayersConfig read_layers(YamlNode node, LayersConfig fallback)
+{
+  LayersConfig layers = NO_LAYERS;
+  if (!yaml_exists(node)) return fallback;
+  if (yaml_is_map(node)) {
+    read_given_layers(node, &layers);
+    return layers;
+  }
+  const char *word = yaml_is_scalar(node) ? yaml_string(node, "") : "";
+  if (strcmp(word, "auto") == 0)
+    layers.kind = LAYERS_AUTO;
+  else if (strcmp(word, "none") != 0)
+    yaml_problem(node, "'auto', 'none' or {first: 5 um, growth: 1.4, count: 10} is expected");
+  return layers;
+}
+
 static void read_cavity_surface(YamlNode node, bool ready_mesh, CavitySurfaceConfig *surface)
 {
   const YamlNode patch_size = yaml_get(node, "patch_size"), one = yaml_get(node, "one_patch");
@@ -53,12 +82,15 @@ static CastStatus read_cavity(YamlNode cavity, ReduceConfig *config, CastError *
 {
   const YamlNode surfaces = yaml_require(cavity, "surfaces");
   const size_t n = config_count_entries(surfaces, "cavity surface");
+  const LayersConfig layers = read_layers(yaml_get(cavity, "layers"), NO_LAYERS);
+  config->contact = yaml_quantity(yaml_get(cavity, "contact"), "W/m^2/K", YAML_POSITIVE, 0.0);
   config->cavity = config_array(n, sizeof *config->cavity);
   CAST_CHECK(config->cavity, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
   config->n_cavity = n;
   for (size_t i = 0; i < n; i++) {
     config_read_name(surfaces, i, config->cavity[i].name);
     read_cavity_surface(yaml_value(surfaces, i), config->geometry_kind == GEOMETRY_MESH, &config->cavity[i]);
+    config->cavity[i].layers = read_layers(yaml_get(yaml_value(surfaces, i), "layers"), layers);
   }
   return CAST_OK;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <petscdmplex.h>
 #include <string.h>
+#include "reduce/mesh/resolution.h"
 #include "reduce/petsc_compat.h"
 
 enum { FEW_TRIANGLES = 4 };
@@ -35,24 +36,30 @@ static void report_surfaces(const MouldMesh *mesh, const ReduceConfig *config, L
   }
 }
 
-/* At t_start heat has gone sqrt(alpha t_start) into the mould. A layer of height d that is thicker answers a flux too
- * stiffly until about d^2/alpha; how much that matters depends on the contact's resistance beside the layer's, d/kappa.
- */
-static void warn_first_layer(const MouldMesh *mesh, const ReduceConfig *config, Log *log)
+/* The layer must suit each material; which of them stand at the wall is not known here. */
+static void judge_first_layer(const MouldMesh *mesh, const ReduceConfig *config, Log *log)
 {
-  double alpha = INFINITY, kappa = 0.0;
+  static const double TARGET = 0.01;
+  const Material *worst = NULL;
+  double error = 0.0;
   for (size_t i = 0; i < config->n_regions; i++) {
     const Material *material = &config->region[i].material;
-    alpha = fmin(alpha, material->conductivity / (material->density * material->specific_heat));
-    kappa = fmax(kappa, material->conductivity);
+    const double of_this = resolution_error(config, material, mesh->thick_layer);
+    if (worst && of_this <= error) continue;
+    worst = material;
+    error = of_this;
   }
-  const double depth = sqrt(alpha * config->reduction.t_start), layer = mesh->first_layer;
-  if (layer <= depth) return;
-  log_warn(log,
-           "the elements at the cavity wall are %.3g mm high (median), but by t_start = %.3g s heat has gone only "
-           "%.3g mm into the mould: wall temperatures before about %.2g s come from the mesh. This matters where the "
-           "contact with the melt is better than about %.2g W/(m2 K); a finer cavity mesh_size cures it",
-           layer * 1e3, config->reduction.t_start, depth * 1e3, layer * layer / alpha, kappa / layer);
+  if (!worst || error <= TARGET) return;
+  const double depth = resolution_depth(worst, config->reduction.t_start);
+  log_warn(
+      log,
+      "the elements at the cavity wall are %.3g mm high (median; 95 %% of the area below %.3g mm), but by t_start = "
+      "%.3g s heat has gone only %.3g mm into the mould: about %.0f %% of error in early wall temperatures%s comes "
+      "from the mesh. 'layers: auto' under cavity, or a first layer of %.2g mm, brings it below 1 %%%s",
+      mesh->first_layer * 1e3, mesh->thick_layer * 1e3, config->reduction.t_start, depth * 1e3, 100.0 * error,
+      config->contact > 0 ? " (over the difference to the melt, behind the contact expected)" : "",
+      1e3 * resolution_layer(config, worst),
+      config->contact > 0 ? "" : "; 'contact', the best that is expected, tells what is really needed");
 }
 
 static void warn_small_patches(const MouldMesh *mesh, Log *log)
@@ -81,8 +88,13 @@ PetscErrorCode pipeline_report_mesh(const MouldMesh *mesh, const ReduceConfig *c
            "quality %.2f (%.1f s)",
            n_cells, mesh->volume * 1e6, mesh->shortest_edge * 1e3, mesh->first_layer * 1e3, mesh->worst_quality,
            seconds);
+  if (mesh->n_layer_cells > 0)
+    log_info(log,
+             "  %" PetscInt_FMT " of them in thin layers at the cavity wall; 95 %% of its area have a first layer "
+             "below %.3g mm",
+             mesh->n_layer_cells, mesh->thick_layer * 1e3);
   report_surfaces(mesh, config, log);
-  warn_first_layer(mesh, config, log);
+  judge_first_layer(mesh, config, log);
   warn_small_patches(mesh, log);
   if (mesh->worst_quality < POOR_QUALITY)
     log_warn(log, "the worst tetrahedron, at (%.4g, %.4g, %.4g) mm, has a radius ratio of %.3g (a regular one has 1)",

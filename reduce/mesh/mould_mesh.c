@@ -4,6 +4,7 @@
 #include "reduce/mesh/mesh_plex.h"
 #include "reduce/mesh/mould_geometry.h"
 #include "reduce/mesh/patches.h"
+#include "reduce/mesh/wall_layers.h"
 #include "reduce/petsc_compat.h"
 
 typedef struct WholeMould { // on rank 0
@@ -24,6 +25,7 @@ static CastStatus create_whole(const ReduceConfig *config, WholeMould *whole, Ca
   CAST_CALL(mould_geometry_open(config, &geometry, err));
   CastStatus status = mould_geometry_mesh(geometry, &whole->mesh, err);
   mould_geometry_close(&geometry);
+  if (status == CAST_OK) status = wall_layers_grow(whole->mesh, config, err);
   if (status == CAST_OK) status = tet_mesh_measure(whole->mesh, config, &whole->measures, err);
   if (status == CAST_OK) status = patches_create(whole->mesh, config, &whole->patches, err);
   if (status != CAST_OK) destroy_whole(whole);
@@ -33,27 +35,31 @@ static CastStatus create_whole(const ReduceConfig *config, WholeMould *whole, Ca
 /* The patch table and the measures, from rank 0 to all. */
 static PetscErrorCode share_description(MPI_Comm comm, const WholeMould *whole, MouldMesh *mesh)
 {
-  PetscInt counts[2] = {0, 0};
-  PetscReal measures[7] = {0};
+  enum { MEASURES = 8 };
+  PetscInt counts[3] = {0, 0, 0};
+  PetscReal measures[MEASURES] = {0};
 
   PetscFunctionBeginUser;
   if (whole->patches) {
     const TetMeshMeasures *of = &whole->measures;
     counts[0] = (PetscInt)whole->patches->n;
     counts[1] = (PetscInt)whole->patches->n_cavity;
-    const PetscReal found[7] = {of->volume,         of->shortest_edge,  of->first_layer,   of->worst_quality,
-                                of->worst_place[0], of->worst_place[1], of->worst_place[2]};
-    PetscCall(PetscArraycpy(measures, found, 7));
+    counts[2] = (PetscInt)whole->mesh->n_layer_tets;
+    const PetscReal found[MEASURES] = {of->volume,         of->shortest_edge,  of->first_layer,    of->worst_quality,
+                                       of->worst_place[0], of->worst_place[1], of->worst_place[2], of->thick_layer};
+    PetscCall(PetscArraycpy(measures, found, MEASURES));
   }
-  PetscCallMPI(MPI_Bcast(counts, 2, MPIU_INT, 0, comm));
-  PetscCallMPI(MPI_Bcast(measures, 7, MPIU_REAL, 0, comm));
+  PetscCallMPI(MPI_Bcast(counts, 3, MPIU_INT, 0, comm));
+  PetscCallMPI(MPI_Bcast(measures, MEASURES, MPIU_REAL, 0, comm));
   mesh->n_patches = counts[0];
   mesh->n_cavity = counts[1];
+  mesh->n_layer_cells = counts[2];
   mesh->volume = measures[0];
   mesh->shortest_edge = measures[1];
   mesh->first_layer = measures[2];
   mesh->worst_quality = measures[3];
   PetscCall(PetscArraycpy(mesh->worst_place, measures + 4, 3));
+  mesh->thick_layer = measures[7];
   PetscCall(PetscCalloc1((size_t)mesh->n_patches, &mesh->patch));
   PetscCall(PetscCalloc1((size_t)mesh->n_patches, &mesh->triangles));
   for (PetscInt l = 0; whole->patches && l < mesh->n_patches; l++) {

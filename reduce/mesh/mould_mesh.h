@@ -19,7 +19,9 @@ typedef struct MouldMesh {
   PetscReal volume;         // m3 of the mesh
   PetscReal shortest_edge;  // m, of cavity triangles
   PetscReal first_layer;    // m, median height of the tetrahedra on the cavity wall
-  PetscReal worst_quality;  // least radius ratio (1 = regular)
+  PetscReal thick_layer;    // m, the height that 95 % of the cavity's area stay below
+  PetscInt n_layer_cells;   // tetrahedra in thin layers at the wall
+  PetscReal worst_quality;  // least radius ratio (1 = regular), layers apart
   PetscReal worst_place[3]; // m, where that is
 } MouldMesh;
 

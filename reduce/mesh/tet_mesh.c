@@ -93,18 +93,45 @@ double tet_mesh_tet_quality(const TetMesh *mesh, const int32_t *tet)
   return 3.0 * (3.0 * volume / area) * 6.0 * volume / sqrt(square);
 }
 
-static int by_value(const void *left, const void *right)
+void tet_mesh_sort_corners(int32_t p[3])
 {
-  const double a = *(const double *)left, b = *(const double *)right;
-  return (a > b) - (a < b);
+  for (int pass = 0; pass < 2; pass++)
+    for (int k = 0; k < 2; k++)
+      if (p[k] > p[k + 1]) {
+        const int32_t swap = p[k];
+        p[k] = p[k + 1];
+        p[k + 1] = swap;
+      }
+}
+
+typedef struct WallHeight {
+  double height, area;
+} WallHeight;
+
+static int by_height(const void *left, const void *right)
+{
+  const WallHeight *a = left, *b = right;
+  if (a->height != b->height) return a->height < b->height ? -1 : 1;
+  return (a->area > b->area) - (a->area < b->area);
+}
+
+/* The height below which `share` of the area lies. */
+static double height_of_share(size_t n, const WallHeight *wall, double share)
+{
+  double total = 0.0, below = 0.0;
+  size_t i = 0;
+  for (size_t k = 0; k < n; k++) total += wall[k].area;
+  while (i + 1 < n && below + wall[i].area < share * total) below += wall[i++].area;
+  return n > 0 ? wall[i].height : 0.0;
 }
 
 static void measure_tets(const TetMesh *mesh, TetMeshMeasures *measures)
 {
   for (size_t t = 0; t < mesh->n_tets; t++) {
     const int32_t *tet = mesh->tet + 4 * t;
-    const double quality = tet_mesh_tet_quality(mesh, tet);
     measures->volume += tet_mesh_tet_volume(mesh, tet);
+    if (t >= mesh->n_tets - mesh->n_layer_tets) continue;
+    const double quality = tet_mesh_tet_quality(mesh, tet);
     if (quality >= measures->worst_quality) continue;
     measures->worst_quality = quality;
     memcpy(measures->worst_place, point(mesh, tet[0]), sizeof measures->worst_place);
@@ -113,8 +140,8 @@ static void measure_tets(const TetMesh *mesh, TetMeshMeasures *measures)
 
 CastStatus tet_mesh_measure(const TetMesh *mesh, const ReduceConfig *config, TetMeshMeasures *measures, CastError *err)
 {
-  double *height = malloc((mesh->n_triangles + 1) * sizeof *height);
-  CAST_CHECK(height, err, CAST_ERR_MEMORY, "no memory to measure the mesh");
+  WallHeight *wall = malloc((mesh->n_triangles + 1) * sizeof *wall);
+  CAST_CHECK(wall, err, CAST_ERR_MEMORY, "no memory to measure the mesh");
   size_t n = 0;
   *measures = (TetMeshMeasures){.worst_quality = DBL_MAX, .shortest_edge = DBL_MAX};
   measure_tets(mesh, measures);
@@ -123,13 +150,16 @@ CastStatus tet_mesh_measure(const TetMesh *mesh, const ReduceConfig *config, Tet
     const int32_t *triangle = mesh->triangle + 3 * t;
     double normal[3];
     tet_mesh_triangle_normal(mesh, triangle, normal);
-    height[n++] = 6.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * (size_t)mesh->triangle_tet[t]) / vector_norm(normal);
+    const double area = 0.5 * vector_norm(normal);
+    wall[n++] =
+        (WallHeight){3.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * (size_t)mesh->triangle_tet[t]) / area, area};
     for (int k = 0; k < 3; k++)
       measures->shortest_edge =
           fmin(measures->shortest_edge, vector_distance(point(mesh, triangle[k]), point(mesh, triangle[(k + 1) % 3])));
   }
-  qsort(height, n, sizeof *height, by_value);
-  measures->first_layer = n > 0 ? height[n / 2] : 0.0;
-  free(height);
+  qsort(wall, n, sizeof *wall, by_height);
+  measures->first_layer = n > 0 ? wall[n / 2].height : 0.0;
+  measures->thick_layer = height_of_share(n, wall, 0.95);
+  free(wall);
   return CAST_OK;
 }

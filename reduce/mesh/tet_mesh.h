@@ -8,6 +8,7 @@
 
 typedef struct TetMesh {
   size_t n_points, n_tets, n_triangles;
+  size_t n_layer_tets;       // the last ones are thin layers at the cavity wall
   double *x;                 // [n_points*3] m
   int32_t *tet;              // [n_tets*4] points; volume (x1-x0) x (x2-x0) . (x3-x0) / 6 > 0 once checked
   int32_t *tet_region;       // [n_tets] region of the config
@@ -20,10 +21,12 @@ typedef struct TetMesh {
 
 typedef struct TetMeshMeasures {
   double volume;         // m3
-  double worst_quality;  // least radius ratio 3 r_in/r_out: 1 for a regular tetrahedron, 0 for a flat one
+  double worst_quality;  // least radius ratio 3 r_in/r_out: 1 for a regular tetrahedron, 0 for a flat one; of those
+                         // outside the layers, which are flat by intent
   double worst_place[3]; // m, where it is
   double shortest_edge;  // m, of the cavity's triangles
   double first_layer;    // m, median height over the cavity's triangles of the tetrahedra behind them
+  double thick_layer;    // m, the height that 95 % of the cavity's area stay below
 } TetMeshMeasures;
 
 CastStatus tet_mesh_create(size_t n_points, size_t n_tets, size_t n_triangles, TetMesh **mesh, CastError *err);
@@ -40,5 +43,6 @@ CastStatus tet_mesh_measure(const TetMesh *mesh, const ReduceConfig *config, Tet
 void tet_mesh_triangle_normal(const TetMesh *mesh, const int32_t *triangle, double normal[3]);
 double tet_mesh_tet_volume(const TetMesh *mesh, const int32_t *tet); // m3, signed
 double tet_mesh_tet_quality(const TetMesh *mesh, const int32_t *tet);
+void tet_mesh_sort_corners(int32_t corner[3]); // of a triangle, ascending
 
 #endif

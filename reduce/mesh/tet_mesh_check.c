@@ -36,17 +36,6 @@ static void centre_of(const TetMesh *mesh, const int32_t *points, int n, double 
   }
 }
 
-static void sort_three(int32_t p[3])
-{
-  for (int pass = 0; pass < 2; pass++)
-    for (int k = 0; k < 2; k++)
-      if (p[k] > p[k + 1]) {
-        const int32_t swap = p[k];
-        p[k] = p[k + 1];
-        p[k + 1] = swap;
-      }
-}
-
 static int by_points(const void *left, const void *right)
 {
   const Face *a = left, *b = right;
@@ -65,13 +54,13 @@ static void list_faces(Checker *checker)
       for (int k = 0; k < 3; k++) face->point[k] = mesh->tet[4 * t + (size_t)SIDES[side][k]];
       face->element = (int32_t)t;
       face->side = side;
-      sort_three(face->point);
+      tet_mesh_sort_corners(face->point);
     }
   for (size_t t = 0; t < mesh->n_triangles; t++, face++) {
     memcpy(face->point, mesh->triangle + 3 * t, sizeof face->point);
     face->element = (int32_t)t;
     face->side = -1;
-    sort_three(face->point);
+    tet_mesh_sort_corners(face->point);
   }
   qsort(checker->face, checker->n_faces, sizeof *checker->face, by_points);
 }

@@ -143,6 +143,31 @@ static void groups_are_lists_boxes_or_the_rest(void **state)
   reduce_config_destroy(&config);
 }
 
+static void layers_are_automatic_given_or_none(void **state)
+{
+  (void)state;
+  ReduceConfig *config = read_config(mould_files_yaml("mould.geo", "  unit: mm\n"));
+  assert_int_equal(config->cavity[0].layers.kind, LAYERS_NONE);
+  assert_true(config->contact == 0.0);
+  reduce_config_destroy(&config);
+  config = read_config(changed("  surfaces:\n    basin: { ",
+                               "  layers: auto\n  contact: 2 kW/m^2/K\n  surfaces:\n    basin: { "
+                               "layers: { first: 5 um, growth: 1.5, count: 4 }, "));
+  assert_true(config->contact == 2000.0);
+  assert_int_equal(config->cavity[0].layers.kind, LAYERS_GIVEN);
+  assert_true(fabs(config->cavity[0].layers.first - 5e-6) < 1e-18);
+  assert_true(config->cavity[0].layers.growth == 1.5 && config->cavity[0].layers.count == 4);
+  assert_int_equal(config->cavity[1].layers.kind, LAYERS_AUTO);
+  assert_true(config->cavity[1].layers.first == 0.0);
+  reduce_config_destroy(&config);
+  expect_problem(changed("  surfaces:\n    basin", "  layers: thin\n  surfaces:\n    basin"),
+                 "cavity.layers: 'auto', 'none' or {first: 5 um, growth: 1.4, count: 10} is expected");
+  expect_problem(changed("  surfaces:\n    basin", "  layers: { growth: 1.5 }\n  surfaces:\n    basin"),
+                 "'first' is missing");
+  expect_problem(changed("  surfaces:\n    basin", "  layers: { first: 5 um, growth: 0.9 }\n  surfaces:\n    basin"),
+                 "cavity.layers.growth");
+}
+
 static void all_faults_come_in_one_go_in_the_order_of_their_lines(void **state)
 {
   (void)state;
@@ -259,6 +284,7 @@ int main(void)
       cmocka_unit_test(paths_are_seen_from_the_input_file),
       cmocka_unit_test(the_settings_of_each_method_are_read),
       cmocka_unit_test(groups_are_lists_boxes_or_the_rest),
+      cmocka_unit_test(layers_are_automatic_given_or_none),
       cmocka_unit_test(all_faults_come_in_one_go_in_the_order_of_their_lines),
       cmocka_unit_test(settings_that_would_do_nothing_are_refused),
       cmocka_unit_test(impossible_values_are_refused),
