@@ -71,7 +71,7 @@ static CastStatus read_regions(YamlNode regions, ReduceConfig *config, CastError
   return CAST_OK;
 }
 
-static void read_mesh(YamlNode mesh, ReduceConfig *config)
+static void read_sizes(YamlNode mesh, ReduceConfig *config)
 {
   config->outside_size = yaml_quantity(yaml_require(mesh, "outside_size"), "m", YAML_POSITIVE, NAN);
   config->growth = yaml_quantity(yaml_get(mesh, "growth"), "1", (YamlRange){0.0, 2.0, false}, 0.3);
@@ -79,6 +79,27 @@ static void read_mesh(YamlNode mesh, ReduceConfig *config)
     if (config->cavity[i].mesh_size > config->outside_size)
       yaml_problem(yaml_get(mesh, "outside_size"), "%g m is finer than %g m on the cavity surface '%s'",
                    config->outside_size, config->cavity[i].mesh_size, config->cavity[i].name);
+}
+
+/* Of a ready mesh only the order of the elements is open. */
+static void refuse_sizes(YamlNode mesh)
+{
+  static const char *const keys[] = {"outside_size", "growth"};
+  for (size_t i = 0; i < 2; i++) {
+    const YamlNode size = yaml_get(mesh, keys[i]);
+    if (yaml_exists(size)) yaml_problem(size, "the geometry is a ready mesh: nothing is meshed, leave this out");
+  }
+}
+
+static void read_mesh(YamlNode root, ReduceConfig *config)
+{
+  const bool ready = config->geometry_kind == GEOMETRY_MESH;
+  const YamlNode mesh = ready ? yaml_get(root, "mesh") : yaml_require(root, "mesh");
+  config->order = (int)yaml_integer(yaml_get(mesh, "order"), 1, 2, 1);
+  if (ready)
+    refuse_sizes(mesh);
+  else
+    read_sizes(mesh, config);
 }
 
 static bool ends_with(const char *text, const char *end)
@@ -107,12 +128,7 @@ static CastStatus read_mould(YamlNode root, ReduceConfig *config, CastError *err
   CAST_CALL(config_read_geometry(yaml_require(root, "geometry"), config, err));
   CAST_CALL(read_regions(yaml_require(root, "regions"), config, err));
   CAST_CALL(config_read_surfaces(root, config, err));
-  if (config->geometry_kind != GEOMETRY_MESH) {
-    read_mesh(yaml_require(root, "mesh"), config);
-  } else {
-    const YamlNode mesh = yaml_get(root, "mesh");
-    if (yaml_exists(mesh)) yaml_problem(mesh, "the geometry is a ready mesh: nothing is meshed, leave this out");
-  }
+  read_mesh(root, config);
   return CAST_OK;
 }
 
@@ -130,7 +146,6 @@ static CastStatus read_sections(YamlInput *input, ReduceConfig *config, CastErro
 
 static CastStatus read_document(YamlInput *input, ReduceConfig *config, CastError *err)
 {
-  config->order = 1;
   config->input_path = strdup(yaml_input_path(input));
   config->input_text = strdup(yaml_input_text(input));
   CAST_CHECK(config->input_path && config->input_text, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);

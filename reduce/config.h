@@ -94,7 +94,7 @@ typedef struct ReduceConfig {
   double outside_size; // m, mesh size far from the cavity
   double growth;       // size gained per length away from the cavity wall: size = cavity size + growth * distance
   double band;         // m, thickness of the near-wall band kept in the ROM
-  int order;           // of the elements: 1
+  int order;           // of the elements: 1 or 2
   ReductionConfig reduction;
   char *rom_path; // resolved against the input file's folder
   char *input_path, *input_text;

@@ -113,6 +113,7 @@ void reduce_config_print(const ReduceConfig *config, FILE *out)
   if (!config->matrices && config->geometry_kind != GEOMETRY_MESH)
     fprintf(out, "mesh                    grows by %g per length from the cavity wall, up to %g m\n", config->growth,
             config->outside_size);
+  fprintf(out, "mesh.order              %d\n", config->order);
   print_reduction(&config->reduction, out);
   fprintf(out, "output.file             %s\n", config->rom_path);
   if (!config->matrices) fprintf(out, "output.band             %g m\n", config->band);

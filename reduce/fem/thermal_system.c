@@ -1,4 +1,4 @@
-/* thermal_system.c - E, K, B and the ambient column from PETSc's finite-element layer (P1 on simplices). */
+/* thermal_system.c - E, K, B and the ambient column from PETSc's finite-element layer (P1 or P2 on simplices). */
 #include "reduce/fem/thermal_system.h"
 #include "reduce/fem/conduction_forms.h"
 #include "reduce/petsc_compat.h"
@@ -6,14 +6,14 @@
 #include <petscfe.h>
 #include <petscsnes.h>
 
-/* The temperature field: P1, one component; gives the DM its section. */
-static PetscErrorCode set_temperature_field(DM dm, PetscDS *ds, PetscFE *fe)
+/* The temperature field: one component of the order asked for; gives the DM its section. */
+static PetscErrorCode set_temperature_field(DM dm, PetscInt order, PetscDS *ds, PetscFE *fe)
 {
   PetscInt dim;
 
   PetscFunctionBeginUser;
   PetscCall(DMGetDimension(dm, &dim));
-  PetscCall(PetscFECreateLagrange(PetscObjectComm((PetscObject)dm), dim, 1, PETSC_TRUE, 1, PETSC_DETERMINE, fe));
+  PetscCall(PetscFECreateLagrange(PetscObjectComm((PetscObject)dm), dim, 1, PETSC_TRUE, order, PETSC_DETERMINE, fe));
   PetscCall(PetscObjectSetName((PetscObject)*fe, "temperature"));
   PetscCall(DMSetField(dm, 0, NULL, (PetscObject)*fe));
   PetscCall(DMCreateDS(dm));
@@ -288,14 +288,14 @@ PetscErrorCode thermal_system_create(MouldMesh *mesh, const ReduceConfig *config
   PetscFE fe;
 
   PetscFunctionBeginUser;
-  PetscCheck(config->order <= 1, PetscObjectComm((PetscObject)mesh->dm), PETSC_ERR_SUP,
-             "elements of order %d: only order 1 is there", config->order);
+  PetscCheck(config->order == 1 || config->order == 2, PetscObjectComm((PetscObject)mesh->dm), PETSC_ERR_SUP,
+             "elements of order %d: only orders 1 and 2 are there", config->order);
   PetscCheck(mesh->n_patches > 0, PetscObjectComm((PetscObject)mesh->dm), PETSC_ERR_ARG_OUTOFRANGE,
              "mesh: it has no patch, so no heat can enter");
   PetscCall(PetscNew(&system));
   *out = system;
   system->singular = PETSC_TRUE;
-  PetscCall(set_temperature_field(mesh->dm, &ds, &fe));
+  PetscCall(set_temperature_field(mesh->dm, config->order, &ds, &fe));
   PetscCall(attach_materials(mesh->dm, fe, config));
   PetscCall(allocate(mesh, system));
   PetscCall(integrate_cells(mesh->dm, ds, system->E, system->K));

@@ -18,7 +18,8 @@ typedef struct ThermalSystem {
   PetscBool singular; // K has the constant in its null space (all walls insulated)
 } ThermalSystem;
 
-/* Assemble with PETSc's own elements (PetscFE, P1) on mesh->dm. Also sets the DM's section. Collective. */
+/* Assemble with PETSc's own elements (PetscFE, of config->order) on mesh->dm. Also sets the DM's section. Collective.
+ */
 PetscErrorCode thermal_system_create(MouldMesh *mesh, const ReduceConfig *config, ThermalSystem **system);
 /* Wrap matrices that came from elsewhere (tests, other FEM programs); references are taken. area NULL: all 1. */
 PetscErrorCode thermal_system_wrap(Mat E, Mat K, Mat B, Vec ambient, const PetscReal *area, ThermalSystem **system);

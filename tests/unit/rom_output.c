@@ -9,6 +9,7 @@
 #include "tests/support/box_mould.h"
 
 enum { STATES = 3 };
+static int order = 1; // of the elements; the file holds their values at the vertices
 static const double BAND = 2.2e-3;
 
 static const BoxMould BOX = {.size = {0.02, 0.012, 0.01},
@@ -64,6 +65,7 @@ static void gather(MPI_Comm comm, WallGeometry *geometry, MouldMesh **mesh, Redu
   BV V;
   ThermalSystem *system;
   TEST_PETSC(box_mould_create(comm, &BOX, mesh, config));
+  (*config)->order = order;
   TEST_PETSC(thermal_system_create(*mesh, *config, &system)); // gives the DM its numbering
   fill_basis(*mesh, &V);
   TEST_PETSC(wall_geometry_gather(*mesh, V, BAND, geometry));
@@ -199,6 +201,8 @@ int main(int argc, char **argv)
       cmocka_unit_test(the_geometry_does_not_depend_on_the_number_of_ranks),
   };
   if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;
-  const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  int failed = 0;
+  for (order = 1; order <= 2; order++)
+    failed += cmocka_run_group_tests_name(order == 1 ? "linear elements" : "quadratic elements", tests, NULL, NULL);
   return SlepcFinalize() ? 1 : failed;
 }

@@ -56,10 +56,10 @@ static ReduceConfig *config_of(const MouldFiles *files, const Case *of)
            "} }\n"
            "boundaries: { outer: { type: insulated } }\n"
            "cavity: { layers: %s, surfaces: { wall: { one_patch: true, mesh_size: %s } } }\n"
-           "mesh: { outside_size: 4 mm, growth: 0.25 }\n"
+           "mesh: { outside_size: 4 mm, growth: 0.25, order: %d }\n"
            "reduction: { times: [1 ms, 8 s], tolerance: 1e-3 }\n"
            "output: { file: shape.rom.h5, band: 0.5 mm }\n",
-           of->layers, of->mesh_size);
+           of->layers, of->mesh_size, of->order);
   snprintf(path, sizeof path, "%s/shape.yaml", files->folder);
   if (reduce_config_read(path, yaml, &config, &err) != CAST_OK) fail_msg("%s", err.message);
   return config;
@@ -142,6 +142,17 @@ static void thin_layers_meet_the_law_of_a_spherical_cavity(void **state)
   assert_true(errors.largest < 3.0 * TARGET); // the same, and facets of an eighth of the radius
 }
 
+static void quadratic_elements_need_fewer_layers(void **state)
+{
+  (void)state;
+  const Case plane = {"plane wall, layers: auto, order: 2", PLANE, "0.4 mm", "auto", false, 2};
+  const Case sphere = {"spherical cavity of 3 mm, layers: auto, order: 2", SPHERE, "0.8 mm", "auto", true, 2};
+  const Errors errors = measure_and_write(&plane, true), of_sphere = measure_and_write(&sphere, true);
+  assert_true(errors.largest < TARGET);
+  assert_true(errors.estimate < TARGET);
+  assert_true(of_sphere.at_start < TARGET);
+}
+
 static void without_layers_the_mesh_is_wrong_and_the_estimate_says_so(void **state)
 {
   (void)state;
@@ -156,6 +167,7 @@ int main(int argc, char **argv)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(thin_layers_meet_the_half_space_law_on_a_made_mesh),
       cmocka_unit_test(thin_layers_meet_the_law_of_a_spherical_cavity),
+      cmocka_unit_test(quadratic_elements_need_fewer_layers),
       cmocka_unit_test(without_layers_the_mesh_is_wrong_and_the_estimate_says_so),
   };
   if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;
