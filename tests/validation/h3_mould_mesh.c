@@ -82,7 +82,7 @@ static Errors measure(const Case *of)
   ReduceConfig *config = config_of(&files, of);
   TEST_PETSC(mould_mesh_create(PETSC_COMM_WORLD, config, &mesh));
   TEST_PETSC(thermal_system_create(mesh, config, &system));
-  TEST_PETSC(full_step_responses(system, system->B, T_FIRST, OCTAVES, STEPS, temperature));
+  TEST_PETSC(full_step_responses(system, system->B, T_FIRST, 2.0, OCTAVES, STEPS, temperature));
   Errors errors = {.unknowns = system->n, .first_layer = mesh->first_layer, .mesh_size = config->cavity[0].mesh_size};
   errors.estimate = resolution_error(config, &config->region[0].material, mesh->first_layer);
   for (int i = 0; i < OCTAVES; i++) { // the wall's answer to 1 W at the wall
