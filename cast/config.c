@@ -198,6 +198,11 @@ static CastStatus read_output(YamlNode node, CastConfig *config, CastError *err)
   output->every = yaml_quantity(yaml_require(node, "every"), "s", YAML_POSITIVE, NAN);
   output->curves_every = yaml_quantity(yaml_get(node, "curves_every"), "s", YAML_POSITIVE, 0.1 * output->every);
   output->checkpoint_every = yaml_quantity(yaml_get(node, "checkpoint_every"), "s", YAML_POSITIVE, 600.0);
+  const YamlNode record = yaml_get(node, "record_every"), triangles = yaml_get(node, "record_triangles");
+  output->record_every = yaml_quantity(record, "s", YAML_POSITIVE, 0.0);
+  output->record_triangles = yaml_boolean(triangles, false);
+  if (output->record_triangles && !yaml_exists(record))
+    yaml_problem(triangles, "record_every is missing: the interval of the heat record");
   output->mould_fields = yaml_boolean(yaml_get(node, "mould_fields"), true);
   CAST_CALL(read_points(yaml_get(node, "probes"), "position", &output->n_probes, &output->probe, err));
   return read_points(yaml_get(node, "tracers"), "nearest", &output->n_tracers, &output->tracer, err);

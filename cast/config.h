@@ -21,6 +21,8 @@ typedef struct OutputConfig {
   double curves_every;     // s of simulated time between rows of the CSV files
   double checkpoint_every; // s of wall time
   bool mould_fields;       // write the mould's temperature
+  double record_every;     // s of simulated time, interval of the heat record; 0: none
+  bool record_triangles;   // by wall triangle as well
   size_t n_probes, n_tracers;
   PointConfig *probe, *tracer;
 } OutputConfig;

@@ -135,6 +135,9 @@ static void put_output(FILE *out, const OutputConfig *o)
   put_path(out, o->folder);
   fprintf(out, "\n  every: %.17g s\n  curves_every: %.17g s\n  checkpoint_every: %.17g s\n  mould_fields: %s\n",
           o->every, o->curves_every, o->checkpoint_every, o->mould_fields ? "true" : "false");
+  if (o->record_every > 0.0)
+    fprintf(out, "  record_every: %.17g s\n  record_triangles: %s\n", o->record_every,
+            o->record_triangles ? "true" : "false");
   put_points(out, "probes", "position", o->n_probes, o->probe);
   put_points(out, "tracers", "nearest", o->n_tracers, o->tracer);
 }

@@ -138,6 +138,7 @@ static CastStatus second_half(Sim *sim, CastError *err)
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
   lap(sim, PHASE_RATES, &clock);
   CAST_CALL(coupling_advance(sim->coupling, sim->mould, &sim->particles, sim->neighbours, sim->counts.dt, err));
+  CAST_CALL(sim_output_record(sim, err));
   sim->counts.substeps_most = fmax(sim->counts.substeps_most, (double)coupling_substeps(sim->coupling));
   lap(sim, PHASE_MOULD, &clock);
   CAST_CALL(finish(sim, err));

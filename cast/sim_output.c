@@ -7,9 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cast/io/heat_recorder.h"
 #include "cast/io/melt_results.h"
 #include "cast/io/mould_results.h"
 #include "cast/io/run_record.h"
+#include "cast/mould/wall_heat.h"
 #include "cast/sim_private.h"
 #include "common/hash.h"
 
@@ -19,6 +21,8 @@ struct SimOutput {
   MeltResults *melt;
   MouldResults *mould; // NULL: not wanted
   SimCurves *curves;
+  HeatRecorder *recorder;      // NULL: not wanted
+  WallHeat *wall_heat;         // NULL: heat is recorded by patch only
   double next_frame, next_row; // s
   double last_frame;           // s; NAN: none yet
 };
@@ -42,6 +46,15 @@ static CastStatus write_frame(Sim *sim, CastError *err)
   if (out->mould) CAST_CALL(mould_results_append(out->mould, sim->counts.time, sim->mould, err));
   out->last_frame = sim->counts.time;
   return CAST_OK;
+}
+
+CastStatus sim_output_record(Sim *sim, CastError *err)
+{
+  SimOutput *out = sim->output;
+  if (!out || !out->recorder) return CAST_OK;
+  const double *power = NULL;
+  if (out->wall_heat) CAST_CALL(wall_heat_power(out->wall_heat, sim->coupling, &sim->particles, &power, err));
+  return heat_recorder_add(out->recorder, sim->counts.time, sim->counts.dt, coupling_flow(sim->coupling), power, err);
 }
 
 /* The first multiple of `every` after t. */
@@ -75,6 +88,7 @@ CastStatus sim_output_finish(Sim *sim, CastError *err)
     CAST_CALL(write_rows(sim, err));
     CAST_CALL(write_frame(sim, err));
   }
+  if (out->recorder) CAST_CALL(heat_recorder_finish(out->recorder, err));
   CAST_CALL(melt_results_finish(out->melt, err));
   if (out->mould) CAST_CALL(mould_results_finish(out->mould, err));
   return sim_write_summary(sim, sim->particles.n_fluid > 0 ? "finished" : "ended: all melt has left the mould", err);
@@ -117,10 +131,27 @@ static CastStatus write_inputs(const Sim *sim, CastError *err)
   return status;
 }
 
+/* rows NULL: a new record */
+static CastStatus open_record(Sim *sim, const size_t *rows, CastError *err)
+{
+  SimOutput *out = sim->output;
+  const CastConfig *c = sim->config;
+  if (!(c->output.record_every > 0.0)) return CAST_OK;
+  if (c->output.record_triangles) CAST_CALL(wall_heat_create(sim->rom, sim->surface, &out->wall_heat, err));
+  const HeatRecorderSetup setup = {.every = c->output.record_every,
+                                   .rom_sha256 = sim->rom_sha256,
+                                   .preheat = c->preheat,
+                                   .ambient = c->ambient,
+                                   .m = sim->rom->m,
+                                   .n_triangles = out->wall_heat ? wall_heat_n(out->wall_heat) : 0,
+                                   .triangle = out->wall_heat ? wall_heat_triangles(out->wall_heat) : NULL};
+  return heat_recorder_open(out->folder, &setup, rows, &out->recorder, err);
+}
+
 static void remove_old(const SimOutput *out)
 {
   static const char *const names[] = {
-      "checkpoint.h5", "checkpoint-failed.h5", "summary.txt", "summary.json", "mould.vtkhdf",
+      "checkpoint.h5", "checkpoint-failed.h5", "summary.txt", "summary.json", "mould.vtkhdf", "heat.h5",
       "mould.xmf",     "probes.csv",           "tracers.csv", "filling.png",  "curves.png"};
   char path[4200];
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -138,6 +169,7 @@ CastStatus sim_open_output(Sim *sim, const char *command, CastError *err)
   CAST_CALL(melt_results_open(out->folder, &c->melt, sim->n_ids, 0, &out->melt, err));
   if (c->output.mould_fields) CAST_CALL(mould_results_open(out->folder, sim->rom, 0, &out->mould, err));
   CAST_CALL(sim_curves_create(sim, NULL, &out->curves, err));
+  CAST_CALL(open_record(sim, NULL, err));
   return write_inputs(sim, err);
 }
 
@@ -169,6 +201,27 @@ CastStatus sim_output_reopen(Sim *sim, const char *command, const double state[O
   return CAST_OK;
 }
 
+size_t sim_output_record_size(const Sim *sim)
+{
+  return sim->output->recorder ? heat_recorder_size(sim->output->recorder) : 0;
+}
+
+void sim_output_save_record(const Sim *sim, double *buffer)
+{
+  if (sim->output->recorder) heat_recorder_save(sim->output->recorder, buffer);
+}
+
+CastStatus sim_output_reopen_record(Sim *sim, size_t n, const double *buffer, CastError *err)
+{
+  if (n == 0) return CAST_OK;
+  const size_t rows = heat_recorder_saved_rows(buffer);
+  CAST_CALL(open_record(sim, &rows, err));
+  CAST_CHECK(sim->output->recorder && heat_recorder_size(sim->output->recorder) == n, err, CAST_ERR_FORMAT,
+             "record: %zu numbers do not fit the run's heat record", n);
+  heat_recorder_restore(sim->output->recorder, buffer);
+  return CAST_OK;
+}
+
 void sim_output_destroy(SimOutput **output)
 {
   if (!output || !*output) return;
@@ -176,6 +229,8 @@ void sim_output_destroy(SimOutput **output)
   melt_results_close(&out->melt);
   mould_results_close(&out->mould);
   sim_curves_destroy(&out->curves);
+  heat_recorder_close(&out->recorder);
+  wall_heat_destroy(&out->wall_heat);
   provenance_release(&out->provenance);
   free(out);
   *output = NULL;

@@ -84,11 +84,16 @@ void sim_curves_lengths(const SimCurves *curves, double length[SIM_CURVES]);
 /* sim_output.c */
 CastStatus sim_output_due(Sim *sim, CastError *err);    // what is due at the present time
 CastStatus sim_output_finish(Sim *sim, CastError *err); // a last frame, side files and summary
+CastStatus sim_output_record(Sim *sim, CastError *err); // the heat of the step in progress
 void sim_output_destroy(SimOutput **output);
 const char *sim_output_folder(const Sim *sim);
 const Provenance *sim_output_provenance(const Sim *sim);
 enum { OUTPUT_STATE = 8 };
 void sim_output_save(const Sim *sim, double state[OUTPUT_STATE]);
+/* The heat record's part of a checkpoint: 0 doubles where none is kept. */
+size_t sim_output_record_size(const Sim *sim);
+void sim_output_save_record(const Sim *sim, double *buffer);
+CastStatus sim_output_reopen_record(Sim *sim, size_t n, const double *buffer, CastError *err); // after reopen
 CastStatus sim_output_reopen(Sim *sim, const char *command, const double state[OUTPUT_STATE], CastError *err);
 
 /* sim_resume.c */

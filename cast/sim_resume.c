@@ -68,6 +68,20 @@ static CastStatus write_mould(const Sim *sim, hid_t file, CastError *err)
                        err);
 }
 
+/* Of the heat record: rows written and the interval begun. */
+static CastStatus write_record(const Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = sim_output_record_size(sim);
+  if (n == 0) return CAST_OK;
+  double *state = malloc(n * sizeof *state);
+  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the heat record");
+  sim_output_save_record(sim, state);
+  const CastStatus status =
+      write_doubles(file, "record", n, state, "", "the heat record's rows and open interval", err);
+  free(state);
+  return status;
+}
+
 static CastStatus write_progress(const Sim *sim, hid_t file, CastError *err)
 {
   const size_t n = filling_state_size(sim->filling);
@@ -81,6 +95,7 @@ static CastStatus write_progress(const Sim *sim, hid_t file, CastError *err)
   CAST_CALL(
       write_doubles(file, "counts", sizeof sim->counts / sizeof *counts, counts, "", "time, steps and sums", err));
   sim_output_save(sim, output);
+  CAST_CALL(write_record(sim, file, err));
   return write_doubles(file, "output", OUTPUT_STATE, output, "", "steps and bytes written, times of the next ones",
                        err);
 }
@@ -211,6 +226,17 @@ static CastStatus restore_progress(Sim *sim, hid_t file, CastError *err)
   return read_doubles(file, "counts", sizeof sim->counts / sizeof *counts, counts, err);
 }
 
+static CastStatus restore_record(Sim *sim, hid_t file, CastError *err)
+{
+  hsize_t shape[1] = {0};
+  void *state = NULL;
+  if (!h5_exists(file, "record")) return CAST_OK;
+  CAST_CALL(h5_read(file, "record", H5T_NATIVE_DOUBLE, 1, shape, &state, err));
+  const CastStatus status = sim_output_reopen_record(sim, shape[0], state, err);
+  free(state);
+  return status;
+}
+
 /* Lists and contacts made anew from the restored places are those that the run had. */
 static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *err)
 {
@@ -219,6 +245,7 @@ static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *
   CAST_CALL(same_text(file, "material_sha256", sim->config->melt.sha256, "the melt's material", err));
   CAST_CALL(read_doubles(file, "output", OUTPUT_STATE, output, err));
   CAST_CALL(sim_output_reopen(sim, command, output, err));
+  CAST_CALL(restore_record(sim, file, err));
   CAST_CALL(restore_particles(sim, file, err));
   CAST_CALL(restore_mould(sim, file, err));
   CAST_CALL(restore_progress(sim, file, err));

@@ -3,7 +3,7 @@
 #include <string.h>
 #include "common/h5_private.h"
 
-enum { DEFLATE_LEVEL = 1 }; // level 4 takes thrice the time for 3 % less on particle data
+enum { WIDE_ROW = 512, DEFLATE_LEVEL = 1 }; // level 4 takes thrice the time for 3 % less on particle data
 
 static CastStatus failed(hid_t group, const char *name, const char *action, CastError *err)
 {
@@ -45,7 +45,7 @@ CastStatus h5_grow_create(hid_t group, const GrowingSet *given, CastError *err)
   const hid_t space = H5Screate_simple(rank, shape, most), creation = H5Pcreate(H5P_DATASET_CREATE),
               links = H5Pcreate(H5P_LINK_CREATE);
   H5Pset_chunk(creation, rank, chunk);
-  if (given->chunk > 1024) {
+  if (given->chunk > 1024 || (given->chunk == 1 && given->columns >= WIDE_ROW)) {
     H5Pset_shuffle(creation);
     H5Pset_deflate(creation, DEFLATE_LEVEL);
   }

@@ -8,7 +8,7 @@ typedef struct GrowingSet {
   const char *name; // path in the file
   hid_t type;       // as stored
   hsize_t columns;  // 0: rank 1; else rank 2
-  hsize_t chunk;    // rows of a chunk
+  hsize_t chunk;    // rows of a chunk; compressed where above 1024, or 1 and wide: a chunk rewritten leaves a hole
   const char *units, *description;
 } GrowingSet;
 

@@ -238,6 +238,7 @@ static bool reserve(Contacts *c, ptrdiff_t n_near, ptrdiff_t n, ptrdiff_t pairs)
     ok = grow((void **)&c->patch, room, sizeof *c->patch) && grow((void **)&c->area, room, sizeof *c->area) &&
          grow((void **)&c->plane, room, sizeof *c->plane) && grow((void **)&c->power, room, sizeof *c->power) &&
          grow((void **)&c->most, room, sizeof *c->most) &&
+         grow((void **)&c->mean_power, room, sizeof *c->mean_power) &&
          grow((void **)&c->pair_start, room, sizeof *c->pair_start) &&
          grow((void **)&c->of_patch, room, sizeof *c->of_patch);
   }
@@ -342,6 +343,7 @@ void contacts_free(Contacts *c)
   free(c->plane);
   free(c->power);
   free(c->most);
+  free(c->mean_power);
   free(c->pair_start);
   free(c->sink);
   free(c->conductance);

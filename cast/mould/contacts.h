@@ -14,8 +14,9 @@ typedef struct Contacts {
   int32_t *patch;                       // [n]
   double *area;                         // [n] m2 (surface)
   double (*plane)[4];                   // [n] distance to the wall = plane . (x, y, z, 1), m (surface)
-  double *power;                        // [n] W
+  double *power;                        // [n] W; after a whole step the mean over it
   double *most;                         // [n] W/K, conductance of its pairs with the largest h of the patch's law
+  double *mean_power;                   // [n] W, gathered over sub-steps
   ptrdiff_t *pair_start;                // [n + 1]
   int32_t *sink;                        // [pair_start[n]] patch (surface) or wall index (embedded)
   double *conductance;                  // [pair_start[n]] W/K

@@ -230,7 +230,11 @@ static void step_near(Coupling *c, const Particles *p, double share, double dt)
 #pragma omp parallel for schedule(static)
   for (ptrdiff_t k = 0; k < contacts->n_near; k++) {
     const ptrdiff_t i = contacts->near[k];
-    const double power = power_of(contacts, k);
+    double power = 0.0;
+    for (ptrdiff_t e = contacts->first[k]; e < contacts->first[k + 1]; e++) {
+      power += contacts->power[e];
+      contacts->mean_power[e] += share * contacts->power[e];
+    }
     c->mean[k] += share * power;
     c->E[k] += (p->heat[i] - power) * dt / p->mass[i];
     if (c->sph->melt) c->T[k] = material_temperature(c->sph->melt, c->E[k]);
@@ -244,6 +248,7 @@ static void advance_in_substeps(Coupling *c, RomState *state, Particles *p, doub
     c->mean[k] = 0.0;
     c->E[k] = p->E[c->contacts.near[k]];
   }
+  for (ptrdiff_t e = 0; e < c->contacts.n; e++) c->contacts.mean_power[e] = 0.0;
   for (size_t l = 0; l < c->rom->m; l++) c->mean_flow[l] = 0.0;
   for (long s = 0; s < c->substeps; s++) {
     if (s > 0) set_powers(c, state);
@@ -252,6 +257,7 @@ static void advance_in_substeps(Coupling *c, RomState *state, Particles *p, doub
     coupling_step_mould(c, state, NULL, part);
   }
   for (size_t l = 0; l < c->rom->m; l++) c->flow[l] = c->mean_flow[l];
+  for (ptrdiff_t e = 0; e < c->contacts.n; e++) c->contacts.power[e] = c->contacts.mean_power[e];
 #pragma omp parallel for schedule(static)
   for (ptrdiff_t k = 0; k < c->contacts.n_near; k++) p->heat[c->contacts.near[k]] -= c->mean[k];
 }

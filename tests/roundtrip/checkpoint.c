@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "cast/sim.h"
+#include "common/heat_record.h"
 #include "tests/support/cast_case.h"
 
 static CastCase casting;
@@ -49,9 +50,9 @@ static Run start(const char *name, const char *coupling)
 {
   const CastCaseInput input = {.coupling = coupling,
                                .time = "{ end: 1.2 ms }",
-                               .output =
-                                   "  curves_every: 0.1 ms\n  probes: [{ name: pin, position: [0 mm, 0 mm, -5 mm] }]\n"
-                                   "  tracers: [{ name: '1', nearest: [0 mm, 0 mm, -4 mm] }]\n"};
+                               .output = "  curves_every: 0.1 ms\n  record_every: 0.07 ms\n  record_triangles: true\n  "
+                                         "probes: [{ name: pin, position: [0 mm, 0 mm, -5 mm] }]\n"
+                                         "  tracers: [{ name: '1', nearest: [0 mm, 0 mm, -4 mm] }]\n"};
   CastError err = {0};
   Run run = {0};
   char path[128];
@@ -121,6 +122,23 @@ static void assert_same_files(const Run *a, const Run *b)
   }
 }
 
+static void assert_same_records(const Run *a, const Run *b)
+{
+  CastError err = {0};
+  HeatRecord record[2];
+  for (int k = 0; k < 2; k++) {
+    char path[256];
+    snprintf(path, sizeof path, "%s/heat.h5", k == 0 ? a->folder : b->folder);
+    ok(heat_record_read(path, &record[k], &err), &err);
+  }
+  assert_int_equal(record[0].n, record[1].n);
+  assert_memory_equal(record[0].time, record[1].time, record[0].n * sizeof(double));
+  assert_memory_equal(record[0].heat, record[1].heat, record[0].n * record[0].m * sizeof(double));
+  assert_memory_equal(record[0].triangle_heat, record[1].triangle_heat,
+                      record[0].n * record[0].n_triangles * sizeof(double));
+  for (int k = 0; k < 2; k++) heat_record_free(&record[k]);
+}
+
 /* Interrupted by the signal's flag after some steps; resumed with another number of threads. */
 static void check_coupling(const char *kind, const char *coupling)
 {
@@ -144,6 +162,7 @@ static void check_coupling(const char *kind, const char *coupling)
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
   assert_int_equal(end, SIM_FINISHED);
   assert_same_state(whole.sim, broken.sim);
+  assert_same_records(&whole, &broken);
   finish(&whole);
   finish(&broken);
 }
@@ -177,6 +196,7 @@ static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
   assert_same_state(whole.sim, broken.sim);
   assert_same_files(&whole, &broken);
+  assert_same_records(&whole, &broken);
   finish(&whole);
   finish(&broken);
 }
