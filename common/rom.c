@@ -1,6 +1,7 @@
-/* rom.c - the end of a ROM's life; rom_read.c begins it. */
+/* rom.c - the end of a ROM's life; rom_read.c begins it. And what its certificate says. */
 #include "common/rom.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static void free_provenance(RomProvenance *provenance)
@@ -26,4 +27,15 @@ void rom_destroy(RomData **rom)
   free_provenance(&data->provenance);
   free(data);
   *rom = NULL;
+}
+
+double rom_certificate_bound(const RomCertificate *certificate, double w)
+{
+  const size_t n = certificate->n_frequencies;
+  const double *at = certificate->frequency, *bound = certificate->transfer_bound;
+  if (n < 2 || !(w >= at[0] && w <= at[n - 1])) return (double)NAN;
+  size_t i = 0;
+  while (i + 2 < n && at[i + 1] <= w) i++;
+  const double share = log(w / at[i]) / log(at[i + 1] / at[i]);
+  return exp((1.0 - share) * log(bound[i]) + share * log(bound[i + 1]));
 }

@@ -43,8 +43,8 @@ typedef struct RomMaterial {
 /* What is known of the reduction's error; relative errors have no unit. NAN: not computed. */
 typedef struct RomCertificate {
   size_t n_frequencies;
-  double *frequency;      // [n] rad/s, none of them used for the reduction
-  double *transfer_bound; // [n] upper bound of ||H(iw) - H_r(iw)||_2 / ||H_r(iw)||_2
+  double *frequency;      // [n] rad/s, ascending, over the band 1/t_end to 1/t_start
+  double *transfer_bound; // [n] upper bound of ||H(iw) - H_r(iw)||_2/||H_r(iw)||_2; log-log interpolation holds between
   size_t n_times;
   double *time;              // [n] s
   double *step_error;        // [n] max |dT| of the sampled patches at that time / largest rise, full model against ROM
@@ -109,5 +109,7 @@ CastStatus rom_write(const RomData *rom, const char *path, CastError *err);
  * Errors: CAST_ERR_IO, CAST_ERR_FORMAT. */
 CastStatus rom_read(const char *path, RomData **rom, CastError *err);
 void rom_destroy(RomData **rom);
+/* The certified relative error of H(iw) at any w, rad/s, within the band; NAN outside. */
+double rom_certificate_bound(const RomCertificate *certificate, double w);
 
 #endif

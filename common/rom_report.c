@@ -214,7 +214,7 @@ static void report_certificate(FILE *out, const RomData *rom)
             percent(certificate->step_error_max, text));
   report_step_errors(out, certificate);
   if (certificate->n_frequencies > 0)
-    fprintf(out, "  transfer function, upper bounds at frequencies not used before\n");
+    fprintf(out, "  transfer function, upper bounds; interpolated between\n");
   for (size_t i = 0; i < certificate->n_frequencies; i++)
     fprintf(out, "    w = %-10.3g rad/s  %s\n", certificate->frequency[i],
             percent(certificate->transfer_bound[i], text));

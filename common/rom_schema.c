@@ -61,8 +61,9 @@ const RomField rom_fields[] = {
     {"reduction/t_start", DATA(ROM_DOUBLE, t_start, "s", "start of the band of times that the tolerance speaks of")},
     {"reduction/t_end", DATA(ROM_DOUBLE, t_end, "s", "its end")},
 
-    {"certificate/frequency", ROWS(ROM_DOUBLE, certificate.frequency, ROM_FREQUENCIES, "rad/s",
-                                   "where the transfer function was bounded, none used for the reduction")},
+    {"certificate/frequency",
+     ROWS(ROM_DOUBLE, certificate.frequency, ROM_FREQUENCIES, "rad/s",
+          "where the transfer function is bounded, ascending; between them the bound is interpolated, log over log")},
     {"certificate/transfer_bound", ROWS(ROM_DOUBLE, certificate.transfer_bound, ROM_FREQUENCIES, "1",
                                         "upper bound of the transfer function's relative error there")},
     {"certificate/time",

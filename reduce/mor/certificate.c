@@ -1,8 +1,14 @@
 /* certificate.c
- * Galerkin's residual R(iw) = B - (iw E + K) V x(iw), x = (iw + Lambda)^-1 B_r, has V^T R = 0, and C = B^T, so
+ * Galerkin's residual R(iw) has V^T R = 0, and C = B^T, so
  *   H - H_r = R^T (iw E + K)^-1 R.
  * In the generalised eigenbasis of (K, E), |lambda + iw| >= (lambda + w)/sqrt(2), hence
- *   ||H(iw) - H_r(iw)||_2 <= sqrt(2) lambda_max(R^H (w E + K)^-1 R). */
+ *   ||H(iw) - H_r(iw)||_2 <= sqrt(2) lambda_max(R^H (w E + K)^-1 R).
+ * R(iw) = R_0 Phi(iw) (residual.h), so the matrix G(w) = R_0^T (w E + K)^-1 R_0, p real solves, serves all w near by:
+ * for u < w < v and any lambda_0 >= 0, with U = u + lambda_0, W = w + lambda_0 and V = v + lambda_0,
+ *   1/(lambda + w) <= a/(lambda + u) + b/(lambda + v),  a = (U/W)^2 (V - W)/(V - U),  b = (V/W)^2 (W - U)/(V - U),
+ * for the right side touches the left at lambda_0, and their difference times the denominators is
+ * (a + b - 1)(lambda - lambda_0)^2 with a + b >= 1. The same holds between G(w), G(u) and G(v) as quadratic forms.
+ * A second stage adds ||H_projected - H_last||_2, which is computed as it is. */
 #include "reduce/mor/certificate.h"
 
 #include <math.h>
@@ -11,125 +17,193 @@
 #include "reduce/mor/small_dense.h"
 #include "reduce/petsc_compat.h"
 
-/* The solves for the bound are exact to their tolerance, far below this. */
-static const PetscReal SOLVER_SLACK = 1.01;
+enum {
+  NODES_PER_DECADE = 1,      // of G: a power law w^(-1/2) is met within 1.2 between them
+  EVALUATIONS_PER_DECADE = 2 // of the bound, and as many again halfway between
+};
 
-/* Re and Im of R: with x = xr + i xi,  Re R = B - K V xr + w E V xi,  Im R = -K V xi - w E V xr. */
-static PetscErrorCode residual(const ThermalSystem *system, BV V, const ModalModel *model, PetscReal w, Mat R[2])
+static const PetscReal ROUNDING = 1e-12;   // of the arithmetic, relative to ||H||
+static const PetscReal NEGLIGIBLE = 0.002; // share of the residual that inexact solves may add unexamined
+
+struct Certificate {
+  const ThermalSystem *system; // borrowed
+  const ModalModel *model;     // borrowed
+  Residual *residual;
+  PetscReal w_first, w_last;
+  PetscInt m, p, n_nodes;
+  PetscReal *node, *G, *defect; // [n_nodes] rad/s, [n_nodes x p x p], [n_nodes] residual_defect
+  PetscReal *Phi[2];            // [p x p] factor of the residual, its columns scaled by `weight`
+  PetscReal *product[2];        // [p x p]
+  PetscReal *part[2][2];        // [node below or above][P or S] [p x p]
+  PetscReal *weight;            // [p] area^(1/2), 0 for the ambient
+};
+
+static PetscErrorCode allocate(Certificate *band)
 {
-  const PetscInt r = model->r, m = system->m, p = model->p;
-  Mat basis, Vx, product;
-  PetscReal *x, *ones;
+  const size_t p = (size_t)band->p, square = p * p, nodes = (size_t)band->n_nodes;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2((size_t)r * (size_t)m, &x, (size_t)m, &ones));
-  PetscCall(dense_block_create(system->E, m, &Vx));
-  PetscCall(dense_block_create(system->E, m, &product));
-  PetscCall(BVSetActiveColumns(V, 0, r));
-  PetscCall(BVGetMat(V, &basis));
-  PetscCall(MatCopy(system->B, R[0], SAME_NONZERO_PATTERN));
-  PetscCall(MatZeroEntries(R[1]));
-  for (int part = 0; part < 2; part++) {
-    for (PetscInt k = 0; k < r; k++) {
-      const PetscReal lambda = model->lambda[k], size = lambda * lambda + w * w;
-      for (PetscInt l = 0; l < m; l++) x[k + l * r] = (part == 0 ? lambda : -w) / size * model->B[k * p + l];
-    }
-    PetscCall(dense_block_combine(Vx, 0.0, 1.0, basis, x, r));
-    PetscCall(dense_block_multiply(system->K, Vx, product));
-    for (PetscInt l = 0; l < m; l++) ones[l] = -1.0;
-    PetscCall(dense_block_axpby(R[part], 1.0, ones, product));
-    PetscCall(dense_block_multiply(system->E, Vx, product));
-    for (PetscInt l = 0; l < m; l++) ones[l] = part == 0 ? -w : w;
-    PetscCall(dense_block_axpby(R[1 - part], 1.0, ones, product));
-  }
-  PetscCall(BVRestoreMat(V, &basis));
-  PetscCall(MatDestroy(&Vx));
-  PetscCall(MatDestroy(&product));
-  PetscCall(PetscFree2(x, ones));
+  PetscCall(PetscMalloc4(nodes, &band->node, nodes * square, &band->G, nodes, &band->defect, p, &band->weight));
+  for (int i = 0; i < 2; i++)
+    PetscCall(PetscMalloc4(square, &band->Phi[i], square, &band->product[i], square, &band->part[i][0], square,
+                           &band->part[i][1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* P + iS = D R^H (w E + K)^-1 R D, Hermitian. */
-static PetscErrorCode error_energy(const ThermalSystem *system, ShiftedSolver *solver, Mat R[2], PetscReal *P,
-                                   PetscReal *S)
+/* P + iS = (Phi D)^H G (Phi D), Hermitian; G of one node. */
+static PetscErrorCode energy(const Certificate *band, const PetscReal *G, PetscReal *P, PetscReal *S)
 {
-  const size_t m = (size_t)system->m;
-  Mat Z;
-  PetscReal *G;
+  const PetscInt p = band->p;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(m * m, &G));
-  PetscCall(dense_block_create(system->E, system->m, &Z));
-  PetscCall(shifted_solver_solve(solver, R[0], Z));
-  PetscCall(dense_block_inner(R[0], Z, P));
-  PetscCall(dense_block_inner(R[1], Z, G)); // R_i^T M^-1 R_r
-  for (size_t j = 0; j < m; j++)
-    for (size_t i = 0; i < m; i++) S[i + j * m] = G[j + i * m] - G[i + j * m];
-  PetscCall(shifted_solver_solve(solver, R[1], Z));
-  PetscCall(dense_block_inner(R[1], Z, G));
-  for (size_t j = 0; j < m; j++)
-    for (size_t i = 0; i < m; i++) {
-      const PetscReal weight = sqrt(system->area[i] * system->area[j]);
-      P[i + j * m] = weight * (P[i + j * m] + G[i + j * m]);
-      S[i + j * m] *= weight;
-    }
-  PetscCall(MatDestroy(&Z));
-  PetscCall(PetscFree(G));
+  for (int i = 0; i < 2; i++) PetscCall(small_multiply('N', 'N', p, p, p, 1.0, G, band->Phi[i], 0.0, band->product[i]));
+  PetscCall(small_multiply('T', 'N', p, p, p, 1.0, band->Phi[0], band->product[0], 0.0, P));
+  PetscCall(small_multiply('T', 'N', p, p, p, 1.0, band->Phi[1], band->product[1], 1.0, P));
+  PetscCall(small_multiply('T', 'N', p, p, p, 1.0, band->Phi[0], band->product[1], 0.0, S));
+  PetscCall(small_multiply('T', 'N', p, p, p, -1.0, band->Phi[1], band->product[0], 1.0, S));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ||H_r(iw)||_2 by the Hermitian H^H H, H = P + iS with P and S symmetric. */
-static PetscErrorCode transfer_norm(const ThermalSystem *system, const ModalModel *model, PetscReal w, PetscReal *norm)
+/* Phi(iw) D */
+static PetscErrorCode weighted_factor(const Certificate *band, PetscReal w)
 {
-  const size_t m = (size_t)system->m, r = (size_t)model->r, columns = (size_t)model->p;
-  PetscReal *P, *S, *scaled, *real, *imaginary, largest;
+  PetscFunctionBeginUser;
+  PetscCall(residual_factor(band->residual, band->model, w, band->Phi[0], band->Phi[1]));
+  for (int i = 0; i < 2; i++)
+    for (PetscInt l = 0; l < band->p; l++)
+      for (PetscInt k = 0; k < band->p; k++) band->Phi[i][k + l * band->p] *= band->weight[l];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* G at node i, and by how much inexact solves have spoilt R = R_0 Phi there. */
+static PetscErrorCode solve_node(Certificate *band, const KrylovBasis *basis, ShiftedSolver *solver, PetscInt i)
+{
+  PetscReal *G = band->G + (size_t)i * (size_t)band->p * (size_t)band->p, largest;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc5(m * m, &P, m * m, &S, r * columns, &scaled, m * m, &real, m * m, &imaginary));
-  for (int part = 0; part < 2; part++) {
-    PetscReal *H = part == 0 ? P : S, *full;
-    for (size_t k = 0; k < r; k++) {
-      const PetscReal lambda = model->lambda[k];
-      const PetscReal factor = (part == 0 ? lambda : -w) / (lambda * lambda + w * w);
-      for (size_t l = 0; l < columns; l++) scaled[l + k * columns] = factor * model->B[k * columns + l];
+  PetscCall(residual_energy(band->residual, solver, band->node[i], G));
+  PetscCall(weighted_factor(band, band->node[i]));
+  PetscCall(energy(band, G, band->part[0][0], band->part[0][1]));
+  PetscCall(small_hermitian_largest(band->model->comm, band->p, band->part[0][0], band->part[0][1], &largest));
+  PetscCall(residual_defect(band->residual, basis, band->model, solver, band->weight,
+                            NEGLIGIBLE * sqrt(PetscMax(largest, 0.0)), &band->defect[i]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *model, ShiftedSolver *solver,
+                                  PetscReal w_first, PetscReal w_last, Certificate **out)
+{
+  Certificate *band;
+  const PetscReal ratio = w_last / w_first, present = shifted_solver_get_shift(solver);
+  const PetscBool downwards = (PetscBool)(present * present > w_first * w_last); // its preconditioner is at hand
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&band));
+  *out = band;
+  *band = (Certificate){.system = basis->system, .model = model, .w_first = w_first, .w_last = w_last};
+  band->m = basis->system->m;
+  band->p = basis->p;
+  band->n_nodes = 1 + PetscMax(1, (PetscInt)ceil(NODES_PER_DECADE * log10(ratio) - 1e-9));
+  PetscCall(allocate(band));
+  for (PetscInt l = 0; l < band->p; l++) band->weight[l] = l < band->m ? sqrt(basis->system->area[l]) : 0.0;
+  for (PetscInt i = 0; i < band->n_nodes; i++)
+    band->node[i] = i == band->n_nodes - 1 ? w_last : w_first * pow(ratio, (double)i / (double)(band->n_nodes - 1));
+  PetscCall(residual_create(basis, model, &band->residual));
+  for (PetscInt k = 0; k < band->n_nodes; k++)
+    PetscCall(solve_node(band, basis, solver, downwards ? band->n_nodes - 1 - k : k));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* lambda_max of R^H (w E + K)^-1 R, from above, by the nodes around w. */
+static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, PetscReal *largest)
+{
+  const size_t square = (size_t)band->p * (size_t)band->p;
+  PetscReal *const *below = band->part[0], *const *above = band->part[1];
+  PetscInt k = 0;
+
+  PetscFunctionBeginUser;
+  while (k < band->n_nodes - 2 && band->node[k + 1] <= w) k++;
+  const PetscReal U = band->node[k] + w, W = 2.0 * w, V = band->node[k + 1] + w; // lambda_0 = w
+  const PetscReal a = (U / W) * (U / W) * (V - W) / (V - U), b = (V / W) * (V / W) * (W - U) / (V - U);
+  PetscCall(weighted_factor(band, w));
+  PetscCall(energy(band, band->G + (size_t)k * square, below[0], below[1]));
+  PetscCall(energy(band, band->G + (size_t)(k + 1) * square, above[0], above[1]));
+  for (int i = 0; i < 2; i++)
+    for (size_t e = 0; e < square; e++) below[i][e] = a * below[i][e] + b * above[i][e];
+  PetscCall(small_hermitian_largest(band->model->comm, band->p, below[0], below[1], largest));
+  const PetscReal defect = PetscMax(band->defect[k], band->defect[k + 1]);
+  *largest = pow(sqrt(PetscMax(*largest, 0.0)) + defect, 2.0);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ||D (H - H_other) D||_2 of two models, other NULL: of one; by the Hermitian X^H X, X = P + iS with P, S symmetric. */
+static PetscErrorCode transfer_norm(const Certificate *band, const ModalModel *model, const ModalModel *other,
+                                    PetscReal w, PetscReal *norm)
+{
+  const PetscInt p = band->p;
+  PetscReal *P = band->part[0][0], *S = band->part[0][1], *real = band->part[1][0], *imaginary = band->part[1][1];
+
+  PetscFunctionBeginUser;
+  PetscCall(modal_model_transfer(model, other, w, P, S));
+  for (PetscInt j = 0; j < p; j++)
+    for (PetscInt i = 0; i < p; i++) {
+      P[i + j * p] *= band->weight[i] * band->weight[j];
+      S[i + j * p] *= band->weight[i] * band->weight[j];
     }
-    PetscCall(PetscMalloc1(columns * columns, &full));
-    PetscCall(small_multiply('N', 'T', model->p, model->p, model->r, 1.0, model->B, scaled, 0.0, full));
-    for (size_t j = 0; j < m; j++)
-      for (size_t i = 0; i < m; i++) H[i + j * m] = full[i + j * columns] * sqrt(system->area[i] * system->area[j]);
-    PetscCall(PetscFree(full));
-  }
   /* (P - iS)(P + iS) = (P^2 + S^2) + i(PS - SP) */
-  PetscCall(small_multiply('N', 'N', system->m, system->m, system->m, 1.0, P, P, 0.0, real));
-  PetscCall(small_multiply('N', 'N', system->m, system->m, system->m, 1.0, S, S, 1.0, real));
-  PetscCall(small_multiply('N', 'N', system->m, system->m, system->m, 1.0, P, S, 0.0, imaginary));
-  PetscCall(small_multiply('N', 'N', system->m, system->m, system->m, -1.0, S, P, 1.0, imaginary));
-  PetscCall(small_hermitian_largest(model->comm, system->m, real, imaginary, &largest));
-  *norm = sqrt(PetscMax(largest, 0.0));
-  PetscCall(PetscFree5(P, S, scaled, real, imaginary));
+  PetscCall(small_multiply('N', 'N', p, p, p, 1.0, P, P, 0.0, real));
+  PetscCall(small_multiply('N', 'N', p, p, p, 1.0, S, S, 1.0, real));
+  PetscCall(small_multiply('N', 'N', p, p, p, 1.0, P, S, 0.0, imaginary));
+  PetscCall(small_multiply('N', 'N', p, p, p, -1.0, S, P, 1.0, imaginary));
+  PetscCall(small_hermitian_largest(model->comm, p, real, imaginary, norm));
+  *norm = sqrt(PetscMax(*norm, 0.0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode certificate_transfer_bound(const ThermalSystem *system, BV V, const ModalModel *model,
-                                          ShiftedSolver *solver, PetscReal w, PetscReal *bound)
+static PetscErrorCode bound_at(const Certificate *band, const ModalModel *last, PetscReal w, PetscReal *bound)
 {
-  const size_t m = (size_t)system->m;
-  Mat R[2];
-  PetscReal *P, *S, largest = 0.0, norm = 0.0;
+  PetscReal largest, truncated = 0.0, norm;
 
   PetscFunctionBeginUser;
-  PetscCall(shifted_solver_set_shift(solver, w, 2 * system->m));
-  PetscCall(PetscMalloc2(m * m, &P, m * m, &S));
-  PetscCall(dense_block_create(system->E, system->m, &R[0]));
-  PetscCall(dense_block_create(system->E, system->m, &R[1]));
-  PetscCall(residual(system, V, model, w, R));
-  PetscCall(error_energy(system, solver, R, P, S));
-  PetscCall(small_hermitian_largest(model->comm, system->m, P, S, &largest));
-  PetscCall(transfer_norm(system, model, w, &norm));
-  *bound = SOLVER_SLACK * PETSC_SQRT2 * largest / norm;
-  PetscCall(MatDestroy(&R[0]));
-  PetscCall(MatDestroy(&R[1]));
-  PetscCall(PetscFree2(P, S));
+  PetscCall(largest_energy(band, w, &largest));
+  if (last != band->model) PetscCall(transfer_norm(band, band->model, last, w, &truncated));
+  PetscCall(transfer_norm(band, last, NULL, w, &norm));
+  *bound = (PETSC_SQRT2 * largest + truncated) / norm + ROUNDING;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode certificate_transfer_bounds(const Certificate *band, const ModalModel *last, PetscInt *n,
+                                           PetscReal **frequency, PetscReal **bound)
+{
+  const PetscReal ratio = band->w_last / band->w_first;
+  const PetscInt gaps = PetscMax(1, (PetscInt)ceil(EVALUATIONS_PER_DECADE * log10(ratio) - 1e-9));
+  PetscReal *w, *at, missed = 0.0;
+
+  PetscFunctionBeginUser;
+  *n = 2 * gaps + 1;
+  PetscCall(PetscMalloc2((size_t)*n, &w, (size_t)*n, &at));
+  for (PetscInt i = 0; i < *n; i++) {
+    w[i] = i == *n - 1 ? band->w_last : band->w_first * pow(ratio, (double)i / (double)(*n - 1));
+    PetscCall(bound_at(band, last, w[i], &at[i]));
+  }
+  for (PetscInt i = 1; i < *n; i += 2) missed = PetscMax(missed, at[i] / sqrt(at[i - 1] * at[i + 1]) - 1.0);
+  for (PetscInt i = 0; i < *n; i++) at[i] *= 1.0 + 0.5 * missed; // the gaps are half as wide now: a quarter would do
+  *frequency = w;
+  *bound = at;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode certificate_destroy(Certificate **certificate)
+{
+  Certificate *band = *certificate;
+
+  PetscFunctionBeginUser;
+  if (!band) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree4(band->node, band->G, band->defect, band->weight));
+  for (int i = 0; i < 2; i++) PetscCall(PetscFree4(band->Phi[i], band->product[i], band->part[i][0], band->part[i][1]));
+  PetscCall(residual_destroy(&band->residual));
+  PetscCall(PetscFree(band));
+  *certificate = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,16 +2,23 @@
 #ifndef REDUCE_MOR_CERTIFICATE_H
 #define REDUCE_MOR_CERTIFICATE_H
 
-#include <slepcbv.h>
+#include "reduce/mor/residual.h"
 
-#include "reduce/mor/modal_model.h"
-#include "reduce/mor/shifted_solver.h"
+typedef struct Certificate Certificate;
 
-/* Upper bound of ||H(iw) - H_r(iw)||_2/||H_r(iw)||_2, H weighted with the patches' areas,
- * H = D B^T (iw E + K)^-1 B D, D = diag(area)^(1/2). V [n x r] is the basis of `model` in modal form. The solver takes
- * the shift w. Costs one preconditioner and 2 m solves. */
-PetscErrorCode certificate_transfer_bound(const ThermalSystem *system, BV V, const ModalModel *model,
-                                          ShiftedSolver *solver, PetscReal w, PetscReal *bound);
+/* What the bounds need of the full model: a preconditioner and p solves at about one rate a decade of the band
+ * w_first to w_last, rad/s, while the basis is there. model: of the basis as it stands; borrowed for the certificate's
+ * life. */
+PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *model, ShiftedSolver *solver,
+                                  PetscReal w_first, PetscReal w_last, Certificate **certificate);
+/* Upper bounds of ||H(iw) - H_r(iw)||_2/||H_r(iw)||_2, H weighted with the patches' areas,
+ * H = D B^T (iw E + K)^-1 B D, D = diag(area)^(1/2), at log-spaced frequencies that begin and end with the band. They
+ * are raised by what their log-log interpolation was seen to miss, so that it holds between them too.
+ *   last                  what a second stage made of the model, or the model itself
+ *   frequency, bound [n]  out: one PetscMalloc2; free with PetscFree2(frequency, bound) */
+PetscErrorCode certificate_transfer_bounds(const Certificate *certificate, const ModalModel *last, PetscInt *n,
+                                           PetscReal **frequency, PetscReal **bound);
+PetscErrorCode certificate_destroy(Certificate **certificate);
 /* max |V^T E V - I| */
 PetscErrorCode certificate_orthogonality(const ThermalSystem *system, BV V, PetscReal *defect);
 

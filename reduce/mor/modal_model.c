@@ -121,6 +121,21 @@ static PetscErrorCode add_transfer(const ModalModel *model, PetscReal w, PetscBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode modal_model_transfer(const ModalModel *model, const ModalModel *other, PetscReal w, PetscReal *real,
+                                    PetscReal *imaginary)
+{
+  const size_t size = (size_t)model->p * (size_t)model->p;
+
+  PetscFunctionBeginUser;
+  for (int part = 0; part < 2; part++) {
+    PetscReal *H = part == 0 ? real : imaginary;
+    PetscCall(PetscArrayzero(H, size));
+    PetscCall(add_transfer(model, w, (PetscBool)part, 1.0, H));
+    if (other) PetscCall(add_transfer(other, w, (PetscBool)part, -1.0, H));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode modal_model_difference(const ModalModel *model, const ModalModel *other, PetscReal w,
                                       PetscReal *difference)
 {
@@ -128,13 +143,9 @@ PetscErrorCode modal_model_difference(const ModalModel *model, const ModalModel 
   PetscReal *H, sum = 0.0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1(size, &H));
-  for (int part = 0; part < 2; part++) {
-    PetscCall(PetscArrayzero(H, size));
-    PetscCall(add_transfer(model, w, (PetscBool)part, 1.0, H));
-    PetscCall(add_transfer(other, w, (PetscBool)part, -1.0, H));
-    for (size_t i = 0; i < size; i++) sum += H[i] * H[i];
-  }
+  PetscCall(PetscMalloc1(2 * size, &H));
+  PetscCall(modal_model_transfer(model, other, w, H, H + size));
+  for (size_t i = 0; i < 2 * size; i++) sum += H[i] * H[i];
   *difference = sqrt(sum);
   PetscCall(PetscFree(H));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,6 +31,9 @@ void modal_model_step_response(const ModalModel *model, PetscReal t, const Petsc
                                PetscReal *temperature);
 /* B^T (s + Lambda)^-(power + 1) B u, [p] */
 void modal_model_moment(const ModalModel *model, PetscReal s, PetscInt power, const PetscReal *u, PetscReal *moment);
+/* Re and Im of B^T (iw + Lambda)^-1 B, of the one minus that of the other (NULL: nothing), [p x p]. Same p. */
+PetscErrorCode modal_model_transfer(const ModalModel *model, const ModalModel *other, PetscReal w, PetscReal *real,
+                                    PetscReal *imaginary);
 /* ||B^T (iw + Lambda)^-1 B of the one minus that of the other||_F, an upper bound of its 2-norm, K/W. Same p. */
 PetscErrorCode modal_model_difference(const ModalModel *model, const ModalModel *other, PetscReal w,
                                       PetscReal *difference);

@@ -294,6 +294,8 @@ PetscErrorCode reduction_destroy(Reduction **reduction)
   PetscCall(step_reference_destroy(&(*reduction)->reference));
   PetscCall(moments_destroy(&(*reduction)->moments));
   PetscCall(modal_model_destroy(&(*reduction)->modal));
+  PetscCall(modal_model_destroy(&(*reduction)->projected));
+  PetscCall(certificate_destroy(&(*reduction)->certificate));
   PetscCall(PetscFree((*reduction)->shifts));
   PetscCall(PetscFree(*reduction));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -2,6 +2,7 @@
 #ifndef REDUCE_MOR_REDUCTION_H
 #define REDUCE_MOR_REDUCTION_H
 
+#include "reduce/mor/certificate.h"
 #include "reduce/mor/krylov_basis.h"
 #include "reduce/mor/modal_model.h"
 #include "reduce/mor/moments.h"
@@ -21,7 +22,9 @@ typedef struct Reduction {
   KrylovBasis *basis;
   StepReference *reference;
   Moments *moments;
-  ModalModel *modal; // of the basis as it stands
+  ModalModel *modal;        // of the basis as it stands, or what the second stage made of it
+  ModalModel *projected;    // the same before the second stage; NULL without one
+  Certificate *certificate; // of the basis
   PetscInt n_shifts;
   PetscReal *shifts; // [n_shifts] in the order taken, 1/s
   PetscInt moments_per_shift;
@@ -39,6 +42,8 @@ PetscErrorCode reduction_run_arnoldi(Reduction *reduction);
 PetscErrorCode reduction_run_rational(Reduction *reduction);
 /* The slowest modes, without regard to where heat enters. */
 PetscErrorCode reduction_run_modal(Reduction *reduction);
+/* Once the basis is complete, and before it goes: the full model's part of the certificate. */
+PetscErrorCode reduction_begin_certificate(Reduction *reduction);
 /* Second stage, where the input asks for it. */
 PetscErrorCode reduction_shorten(Reduction *reduction);
 PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *certificate);

@@ -6,9 +6,8 @@
 #include "reduce/mor/second_stage.h"
 #include "reduce/petsc_compat.h"
 
-enum { UNSEEN_FREQUENCIES = 3 }; // beside the last shift, whose preconditioner is at hand
-
 static const PetscReal ARNOLDI_WARNING = 0.01;
+static const PetscReal BOUND_RTOL = 1e-4; // what a solve leaves over is added to the bound, and enters squared
 
 /* Weights that make the entries of H relative: port l gets rise_l^(-1/2), rise_l its temperature at t_end after a step;
  * as input and as output it so has 1/rise_l. */
@@ -73,48 +72,21 @@ PetscErrorCode reduction_shorten(Reduction *reduction)
              (double)stage.bound, (double)reduction->second_stage_bound);
     reduction->second_stage_bound = stage.bound;
   }
-  PetscCall(modal_model_destroy(&reduction->modal));
+  reduction->projected = reduction->modal;
   reduction->modal = smaller;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode sort_pairs(PetscInt n, PetscReal *key, PetscReal *value)
-{
-  PetscFunctionBeginUser;
-  for (PetscInt i = 1; i < n; i++)
-    for (PetscInt k = i; k > 0 && key[k - 1] > key[k]; k--) {
-      const PetscReal swap_key = key[k], swap_value = value[k];
-      key[k] = key[k - 1], value[k] = value[k - 1];
-      key[k - 1] = swap_key, value[k - 1] = swap_value;
-    }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Bounds at the solver's present shift and at frequencies spread over the band of rates, 1/t_end to 1/t_start. The
- * reduction has seen real shifts only: no frequency is known to it. */
-static PetscErrorCode certify_transfer(Reduction *reduction, BV V, RomCertificate *certificate)
+/* Over the band of rates, 1/t_end to 1/t_start. The reduction has seen real shifts only: no frequency is known to it.
+ */
+PetscErrorCode reduction_begin_certificate(Reduction *reduction)
 {
   const ReductionConfig *config = reduction->config;
-  const PetscReal present = shifted_solver_get_shift(reduction->solver);
-  PetscReal *frequency;
-  PetscInt n = 0;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc2(1 + UNSEEN_FREQUENCIES, &certificate->frequency, 1 + UNSEEN_FREQUENCIES,
-                         &certificate->transfer_bound));
-  frequency = certificate->frequency;
-  if (present > 0.0) frequency[n++] = present;
-  for (PetscInt i = 0; i < UNSEEN_FREQUENCIES; i++) {
-    const PetscReal w =
-        pow(config->t_end / config->t_start, ((PetscReal)i + 0.5) / (PetscReal)UNSEEN_FREQUENCIES) / config->t_end;
-    if (present <= 0.0 || fabs(log(w / present)) > 0.1) frequency[n++] = w;
-  }
-  certificate->n_frequencies = (size_t)n;
-  shifted_solver_set_tolerance(reduction->solver, PetscMin(config->solver_rtol, 1e-6));
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(certificate_transfer_bound(reduction->system, V, reduction->modal, reduction->solver, frequency[i],
-                                         &certificate->transfer_bound[i]));
-  PetscCall(sort_pairs(n, frequency, certificate->transfer_bound));
+  shifted_solver_set_tolerance(reduction->solver, BOUND_RTOL);
+  PetscCall(certificate_create(reduction->basis, reduction->modal, reduction->solver, 1.0 / config->t_end,
+                               1.0 / config->t_start, &reduction->certificate));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -139,7 +111,10 @@ PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *cer
     PetscCall(moments_compare(reduction->moments, reduction->modal, reference->u, &certificate->moment_error));
   certificate->second_stage_bound = reduction->second_stage_bound;
   PetscCall(certificate_orthogonality(reduction->system, V, &certificate->orthogonality));
-  PetscCall(certify_transfer(reduction, V, certificate));
+  PetscInt n;
+  PetscCall(certificate_transfer_bounds(reduction->certificate, reduction->modal, &n, &certificate->frequency,
+                                        &certificate->transfer_bound));
+  certificate->n_frequencies = (size_t)n;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -152,10 +127,10 @@ void reduction_report(const Reduction *reduction, const RomCertificate *certific
   for (size_t i = 0; i < certificate->n_frequencies; i++) bound = fmax(bound, certificate->transfer_bound[i]);
   log_info(reduction->log,
            "certificate: steps on %ld sampled patches, all together and the ambient differ from the full model "
-           "by at most %.2e of the largest rise from %g to %g s; transfer function by at most %.2e at %zu unseen "
-           "frequencies; orthogonality defect %.1e",
+           "by at most %.2e of the largest rise from %g to %g s; transfer function by at most %.2e from %.3g to "
+           "%.3g rad/s; orthogonality defect %.1e",
            certificate->sampled_patches, certificate->step_error_max, config->t_start, config->t_end, bound,
-           certificate->n_frequencies, certificate->orthogonality);
+           1.0 / config->t_end, 1.0 / config->t_start, certificate->orthogonality);
   if (certificate->met)
     log_info(reduction->log, "the tolerance %.2e is met with %d states", config->tolerance, (int)reduction->modal->r);
   else

@@ -5,7 +5,8 @@
 
 #include "reduce/petsc_compat.h"
 
-static PetscErrorCode eigen_here(PetscInt n, PetscReal *A, PetscReal *w)
+/* job 'V': with eigenvectors, 'N': without */
+static PetscErrorCode eigen_here(const char *job, PetscInt n, PetscReal *A, PetscReal *w)
 {
   PetscBLASInt size, info, length = -1, integer_length = -1, first_integer, *integer_work;
   PetscReal first, *work;
@@ -13,12 +14,12 @@ static PetscErrorCode eigen_here(PetscInt n, PetscReal *A, PetscReal *w)
   PetscFunctionBeginUser;
   PetscCall(PetscBLASIntCast(n, &size));
   PetscCallBLAS("LAPACKsyevd",
-                LAPACKsyevd_("V", "L", &size, A, &size, w, &first, &length, &first_integer, &integer_length, &info));
+                LAPACKsyevd_(job, "L", &size, A, &size, w, &first, &length, &first_integer, &integer_length, &info));
   PetscCall(PetscBLASIntCast((PetscInt)first, &length));
   integer_length = first_integer;
   PetscCall(PetscMalloc2((size_t)length, &work, (size_t)integer_length, &integer_work));
   PetscCallBLAS("LAPACKsyevd",
-                LAPACKsyevd_("V", "L", &size, A, &size, w, work, &length, integer_work, &integer_length, &info));
+                LAPACKsyevd_(job, "L", &size, A, &size, w, work, &length, integer_work, &integer_length, &info));
   PetscCheck(info == 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK syevd on a %" PetscInt_FMT " matrix: info = %d", n,
              (int)info);
   PetscCall(PetscFree2(work, integer_work));
@@ -32,7 +33,7 @@ PetscErrorCode small_eigen(MPI_Comm comm, PetscInt n, PetscReal *A, PetscReal *w
   PetscFunctionBeginUser;
   if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) PetscCall(eigen_here(n, A, w));
+  if (rank == 0) PetscCall(eigen_here("V", n, A, w));
   PetscCallMPI(MPI_Bcast(w, (int)n, MPIU_REAL, 0, comm));
   for (PetscInt c = 0; c < n; c++) // by column: n * n may exceed what an int counts
     PetscCallMPI(MPI_Bcast(A + (size_t)c * (size_t)n, (int)n, MPIU_REAL, 0, comm));
@@ -60,6 +61,7 @@ PetscErrorCode small_multiply(char op_A, char op_B, PetscInt rows, PetscInt colu
 PetscErrorCode small_hermitian_largest(MPI_Comm comm, PetscInt n, const PetscReal *P, const PetscReal *S,
                                        PetscReal *largest)
 {
+  PetscMPIInt rank;
   PetscReal *A, *w;
   const size_t size = (size_t)n, twice = 2 * size;
 
@@ -71,7 +73,9 @@ PetscErrorCode small_hermitian_largest(MPI_Comm comm, PetscInt n, const PetscRea
       A[(i + size) + j * twice] = S[i + j * size];
       A[i + (j + size) * twice] = -S[i + j * size];
     }
-  PetscCall(small_eigen(comm, 2 * n, A, w));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) PetscCall(eigen_here("N", 2 * n, A, w));
+  PetscCallMPI(MPI_Bcast(w, (int)twice, MPIU_REAL, 0, comm));
   *largest = w[twice - 1];
   PetscCall(PetscFree2(A, w));
   PetscFunctionReturn(PETSC_SUCCESS);

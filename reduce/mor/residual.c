@@ -1,0 +1,328 @@
+#include "reduce/mor/residual.h"
+
+#include "reduce/mor/dense_block.h"
+#include "reduce/mor/small_dense.h"
+#include "reduce/petsc_compat.h"
+
+/* E >= DIAGONAL_SHARE diag(E): 1/2 for linear tetrahedra on any mesh (Wathen 1987, IMA J. Numer. Anal. 7, 449), less
+ * for quadratic ones. It only enters what is added for inexact solves. */
+static const PetscReal DIAGONAL_SHARE = 0.05;
+/* Eigenvalues of R_0's scaled Gram matrix below this share of the largest are dependence or rounding. */
+static const PetscReal DEPENDENT = 1e-11;
+
+/* X(i, :) /= E_ii */
+static PetscErrorCode divide_by_diagonal(const ThermalSystem *system, Mat X)
+{
+  Vec diagonal;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatCreateVecs(system->E, NULL, &diagonal));
+  PetscCall(MatGetDiagonal(system->E, diagonal));
+  PetscCall(VecReciprocal(diagonal));
+  PetscCall(MatDiagonalScale(X, diagonal, NULL));
+  PetscCall(VecDestroy(&diagonal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Y -= X, column by column */
+static PetscErrorCode subtract(Mat Y, Mat X)
+{
+  PetscInt k;
+  PetscReal *minus;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(X, NULL, &k));
+  PetscCall(PetscMalloc1((size_t)k, &minus));
+  for (PetscInt c = 0; c < k; c++) minus[c] = -1.0;
+  PetscCall(dense_block_axpby(Y, 1.0, minus, X));
+  PetscCall(PetscFree(minus));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* R_0 = ports - E V B_r */
+static PetscErrorCode constant_factor(Residual *residual, const KrylovBasis *basis, Mat V)
+{
+  const PetscInt p = residual->p, r = residual->r;
+  Mat projected, product;
+  PetscReal *inputs;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)r * (size_t)p, &inputs));
+  for (PetscInt k = 0; k < r; k++)
+    for (PetscInt l = 0; l < p; l++) inputs[k + l * r] = basis->inputs[k * p + l];
+  PetscCall(dense_block_create(residual->system->E, p, &projected));
+  PetscCall(dense_block_create(residual->system->E, p, &product));
+  PetscCall(dense_block_create(residual->system->E, p, &residual->R0));
+  PetscCall(dense_block_combine(projected, 0.0, 1.0, V, inputs, r));
+  PetscCall(dense_block_multiply(residual->system->E, projected, product));
+  PetscCall(dense_block_copy(residual->R0, 0, basis->ports, NULL, p));
+  PetscCall(subtract(residual->R0, product));
+  PetscCall(MatDestroy(&projected));
+  PetscCall(MatDestroy(&product));
+  PetscCall(PetscFree(inputs));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* X := A^+ X, A [n x n] symmetric positive semi-definite, X [n x k]. Ports may depend on each other (the ambient on the
+ * outer patches), so directions without weight are left out. */
+static PetscErrorCode solve_small(MPI_Comm comm, PetscInt n, PetscInt k, PetscReal *A, PetscReal *X)
+{
+  PetscReal *w, *scale, *turned;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3((size_t)n, &w, (size_t)n, &scale, (size_t)n * (size_t)k, &turned));
+  for (PetscInt i = 0; i < n; i++) scale[i] = A[i + i * n] > 0.0 ? 1.0 / PetscSqrtReal(A[i + i * n]) : 0.0;
+  for (PetscInt j = 0; j < n; j++)
+    for (PetscInt i = 0; i < n; i++) A[i + j * n] *= scale[i] * scale[j];
+  for (PetscInt j = 0; j < k; j++)
+    for (PetscInt i = 0; i < n; i++) X[i + j * n] *= scale[i];
+  PetscCall(small_eigen(comm, n, A, w));
+  PetscCall(small_multiply('T', 'N', n, k, n, 1.0, A, X, 0.0, turned));
+  for (PetscInt j = 0; j < k; j++)
+    for (PetscInt i = 0; i < n; i++) turned[i + j * n] *= w[i] > DEPENDENT * w[n - 1] ? 1.0 / w[i] : 0.0;
+  PetscCall(small_multiply('N', 'N', n, k, n, 1.0, A, turned, 0.0, X));
+  for (PetscInt j = 0; j < k; j++)
+    for (PetscInt i = 0; i < n; i++) X[i + j * n] *= scale[i];
+  PetscCall(PetscFree3(w, scale, turned));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* c^T from K V - E V K_r = R_0 c^T by least squares with the weight diag(E)^-1: W = diag(E)^-1 R_0,
+ * (W^T R_0) c^T = (K W)^T V - (E W)^T V K_r. */
+static PetscErrorCode coupling(Residual *residual, const KrylovBasis *basis, const ModalModel *model, Mat V)
+{
+  const ThermalSystem *system = residual->system;
+  const PetscInt p = residual->p, r = residual->r;
+  MPI_Comm comm = PetscObjectComm((PetscObject)system->E);
+  Mat W, product;
+  PetscReal *gram, *right, *of_E, *K;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc4((size_t)p * (size_t)p, &gram, (size_t)p * (size_t)r, &right, (size_t)p * (size_t)r, &of_E,
+                         (size_t)r * (size_t)r, &K));
+  PetscCall(dense_block_create(system->E, p, &W));
+  PetscCall(dense_block_create(system->E, p, &product));
+  PetscCall(dense_block_copy(W, 0, residual->R0, NULL, p));
+  PetscCall(divide_by_diagonal(system, W));
+  PetscCall(dense_block_inner(W, residual->R0, gram));
+  PetscCall(dense_block_multiply(system->K, W, product));
+  PetscCall(dense_block_inner(product, V, right));
+  PetscCall(dense_block_multiply(system->E, W, product));
+  PetscCall(dense_block_inner(product, V, of_E));
+  for (PetscInt j = 0; j < r; j++)
+    PetscCall(PetscArraycpy(K + (size_t)j * (size_t)r, basis->K + (size_t)j * (size_t)basis->capacity, (size_t)r));
+  PetscCall(small_multiply('N', 'N', p, r, r, -1.0, of_E, K, 1.0, right));
+  PetscCall(solve_small(comm, p, r, gram, right));
+  PetscCall(small_multiply('N', 'N', p, r, r, 1.0, right, model->Q, 0.0, residual->c)); // [p x r] = c row-major
+  PetscCall(MatDestroy(&W));
+  PetscCall(MatDestroy(&product));
+  PetscCall(PetscFree4(gram, right, of_E, K));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode residual_create(const KrylovBasis *basis, const ModalModel *model, Residual **out)
+{
+  Residual *residual;
+  Mat V;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&residual));
+  *out = residual;
+  residual->system = basis->system;
+  residual->p = basis->p;
+  residual->r = basis->r;
+  PetscCall(PetscMalloc1((size_t)basis->r * (size_t)basis->p, &residual->c));
+  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
+  PetscCall(BVGetMat(basis->V, &V));
+  PetscCall(constant_factor(residual, basis, V));
+  PetscCall(coupling(residual, basis, model, V));
+  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Re or Im of (iw + Lambda)^-1 B as [p x r] column-major, which is row-major [r x p]. */
+static void modal_state(const ModalModel *model, PetscReal w, int part, PetscReal *x)
+{
+  for (PetscInt k = 0; k < model->r; k++) {
+    const PetscReal lambda = model->lambda[k], size = lambda * lambda + w * w;
+    for (PetscInt l = 0; l < model->p; l++)
+      x[k * model->p + l] = (part == 0 ? lambda : -w) / size * model->B[k * model->p + l];
+  }
+}
+
+PetscErrorCode residual_factor(const Residual *residual, const ModalModel *model, PetscReal w, PetscReal *real,
+                               PetscReal *imaginary)
+{
+  const PetscInt p = residual->p;
+  PetscReal *x;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)model->r * (size_t)p, &x));
+  for (int part = 0; part < 2; part++) {
+    PetscReal *Phi = part == 0 ? real : imaginary;
+    modal_state(model, w, part, x);
+    PetscCall(small_multiply('N', 'T', p, p, model->r, -1.0, residual->c, x, 0.0, Phi));
+    for (PetscInt l = 0; part == 0 && l < p; l++) Phi[l + l * p] += 1.0;
+  }
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* G >= X^T M^-1 X, M = w E + K, [k x k]. With M Z = X - d:  X^T M^-1 X = X^T Z + d^T Z + d^T M^-1 d, and
+ * M >= w E >= w DIAGONAL_SHARE diag(E). */
+static PetscErrorCode energy_of(const ThermalSystem *system, ShiftedSolver *solver, Mat X, PetscReal *G)
+{
+  const PetscReal w = shifted_solver_get_shift(solver);
+  Mat Z, d, product;
+  PetscInt k;
+  PetscReal *part;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(X, NULL, &k));
+  PetscCall(PetscMalloc1((size_t)k * (size_t)k, &part));
+  PetscCall(dense_block_create(system->E, k, &Z));
+  PetscCall(dense_block_create(system->E, k, &d));
+  PetscCall(dense_block_create(system->E, k, &product));
+  PetscCall(shifted_solver_solve(solver, X, Z));
+  PetscCall(dense_block_inner(X, Z, G));
+  PetscCall(dense_block_multiply(system->E, Z, d));
+  PetscCall(MatScale(d, -w));
+  PetscCall(dense_block_multiply(system->K, Z, product));
+  PetscCall(subtract(d, product));
+  for (PetscInt c = 0; c < k; c++) part[c] = 1.0;
+  PetscCall(dense_block_axpby(d, 1.0, part, X));
+  PetscCall(dense_block_inner(d, Z, part));
+  for (PetscInt i = 0; i < k * k; i++) G[i] += part[i];
+  PetscCall(dense_block_copy(product, 0, d, NULL, k));
+  PetscCall(divide_by_diagonal(system, product));
+  PetscCall(dense_block_inner(d, product, part));
+  for (PetscInt i = 0; i < k * k; i++) G[i] += part[i] / (w * DIAGONAL_SHARE);
+  for (PetscInt j = 0; j < k; j++)
+    for (PetscInt i = 0; i < j; i++) G[i + j * k] = G[j + i * k] = 0.5 * (G[i + j * k] + G[j + i * k]);
+  PetscCall(MatDestroy(&Z));
+  PetscCall(MatDestroy(&d));
+  PetscCall(MatDestroy(&product));
+  PetscCall(PetscFree(part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, PetscReal w, PetscReal *G)
+{
+  PetscFunctionBeginUser;
+  PetscCall(shifted_solver_set_shift(solver, w, residual->p));
+  PetscCall(energy_of(residual->system, solver, residual->R0, G));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Re and Im of (iw E + K) V x(iw): with V x = a + ib,  K a - w E b  and  K b + w E a. */
+static PetscErrorCode applied(const Residual *residual, const KrylovBasis *basis, const ModalModel *model, PetscReal w,
+                              Mat of[2])
+{
+  const ThermalSystem *system = residual->system;
+  const PetscInt p = residual->p, r = residual->r;
+  Mat V, Vx, product;
+  PetscReal *x, *Qx, *factor;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3((size_t)r * (size_t)p, &x, (size_t)r * (size_t)p, &Qx, (size_t)p, &factor));
+  PetscCall(dense_block_create(system->E, p, &Vx));
+  PetscCall(dense_block_create(system->E, p, &product));
+  PetscCall(BVSetActiveColumns(basis->V, 0, r));
+  PetscCall(BVGetMat(basis->V, &V));
+  for (int part = 0; part < 2; part++) {
+    modal_state(model, w, part, x);
+    PetscCall(small_multiply('N', 'T', r, p, r, 1.0, model->Q, x, 0.0, Qx));
+    PetscCall(dense_block_combine(Vx, 0.0, 1.0, V, Qx, r));
+    PetscCall(dense_block_multiply(system->K, Vx, product));
+    for (PetscInt c = 0; c < p; c++) factor[c] = 1.0;
+    PetscCall(dense_block_axpby(of[part], 1.0, factor, product));
+    PetscCall(dense_block_multiply(system->E, Vx, product));
+    for (PetscInt c = 0; c < p; c++) factor[c] = part == 0 ? w : -w;
+    PetscCall(dense_block_axpby(of[1 - part], 1.0, factor, product));
+  }
+  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscCall(MatDestroy(&Vx));
+  PetscCall(MatDestroy(&product));
+  PetscCall(PetscFree3(x, Qx, factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ||X_r + i X_i||_F^2 in the norm of diag(E)^-1 */
+static PetscErrorCode diagonal_size(const ThermalSystem *system, Mat of[2], PetscReal *sum)
+{
+  PetscInt k;
+  Mat scaled;
+  PetscReal *dots;
+
+  PetscFunctionBeginUser;
+  *sum = 0.0;
+  PetscCall(MatGetSize(of[0], NULL, &k));
+  PetscCall(PetscMalloc1((size_t)k, &dots));
+  PetscCall(dense_block_create(system->E, k, &scaled));
+  for (int part = 0; part < 2; part++) {
+    PetscCall(dense_block_copy(scaled, 0, of[part], NULL, k));
+    PetscCall(divide_by_diagonal(system, scaled));
+    PetscCall(dense_block_dots(of[part], scaled, dots));
+    for (PetscInt c = 0; c < k; c++) *sum += dots[c];
+  }
+  PetscCall(MatDestroy(&scaled));
+  PetscCall(PetscFree(dots));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* sqrt of the trace of X^H (w E + K)^-1 X >= the 2-norm, X = X_r + i X_i */
+static PetscErrorCode solved_size(const ThermalSystem *system, ShiftedSolver *solver, Mat of[2], PetscReal *size)
+{
+  PetscInt k;
+  PetscReal *G, sum = 0.0;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(of[0], NULL, &k));
+  PetscCall(PetscMalloc1((size_t)k * (size_t)k, &G));
+  for (int part = 0; part < 2; part++) {
+    PetscCall(energy_of(system, solver, of[part], G));
+    for (PetscInt c = 0; c < k; c++) sum += G[c + c * k];
+  }
+  *size = PetscSqrtReal(PetscMax(sum, 0.0));
+  PetscCall(PetscFree(G));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
+                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible, PetscReal *defect)
+{
+  const PetscInt p = residual->p;
+  const PetscReal w = shifted_solver_get_shift(solver);
+  Mat of[2];
+  PetscReal *Phi[2], *minus;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3((size_t)p * (size_t)p, &Phi[0], (size_t)p * (size_t)p, &Phi[1], (size_t)p, &minus));
+  PetscCall(dense_block_create(residual->system->E, p, &of[0]));
+  PetscCall(dense_block_create(residual->system->E, p, &of[1]));
+  PetscCall(applied(residual, basis, model, w, of));
+  for (PetscInt c = 0; c < p; c++) minus[c] = -1.0;
+  PetscCall(dense_block_axpby(of[0], 1.0, minus, basis->ports));
+  PetscCall(residual_factor(residual, model, w, Phi[0], Phi[1]));
+  for (int part = 0; part < 2; part++) { // (R_0 Phi - R) D
+    PetscCall(dense_block_combine(of[part], 1.0, 1.0, residual->R0, Phi[part], p));
+    PetscCall(dense_block_scale(of[part], weight));
+  }
+  PetscCall(diagonal_size(residual->system, of, defect));
+  *defect = PetscSqrtReal(*defect / (w * DIAGONAL_SHARE));
+  if (*defect > negligible) PetscCall(solved_size(residual->system, solver, of, defect));
+  PetscCall(MatDestroy(&of[0]));
+  PetscCall(MatDestroy(&of[1]));
+  PetscCall(PetscFree3(Phi[0], Phi[1], minus));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode residual_destroy(Residual **residual)
+{
+  PetscFunctionBeginUser;
+  if (!*residual) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatDestroy(&(*residual)->R0));
+  PetscCall(PetscFree((*residual)->c));
+  PetscCall(PetscFree(*residual));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

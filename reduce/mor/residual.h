@@ -1,0 +1,38 @@
+/* residual.h - what a rational Krylov model leaves over, for every s at once.
+ *
+ * V^T E V = I spans (s_j E + K)^-1 ports for some shifts, or block Krylov spaces there. The residual
+ *   R(s) = ports - (s E + K) V x(s),   x(s) = (s + K_r)^-1 B_r
+ * is orthogonal to V and lies in the span of E V and the ports, so that
+ *   R(s) = R_0 Phi(s),   R_0 = ports - E V B_r [n x p],   Phi(s) = I - c^T x(s) [p x p],   K V - E V K_r = R_0 c^T.
+ * (Druskin & Simoncini 2011, Syst. Control Lett. 60, 546, for one input.) Inexact solves break the last equation a
+ * little; by how much is measured. */
+#ifndef REDUCE_MOR_RESIDUAL_H
+#define REDUCE_MOR_RESIDUAL_H
+
+#include "reduce/mor/krylov_basis.h"
+#include "reduce/mor/modal_model.h"
+#include "reduce/mor/shifted_solver.h"
+
+typedef struct Residual {
+  const ThermalSystem *system; // borrowed
+  PetscInt p, r;
+  Mat R0;       // [n x p] owned
+  PetscReal *c; // [r x p] row-major, in the modes of the model
+} Residual;
+
+/* model: of the basis as it stands. Costs a few products of [n x r] with [n x p]. */
+PetscErrorCode residual_create(const KrylovBasis *basis, const ModalModel *model, Residual **residual);
+/* Re and Im of Phi(iw), [p x p] column-major. */
+PetscErrorCode residual_factor(const Residual *residual, const ModalModel *model, PetscReal w, PetscReal *real,
+                               PetscReal *imaginary);
+/* G >= R_0^T (w E + K)^-1 R_0 in the sense of quadratic forms, [p x p] column-major, from p solves; what the solver
+ * leaves over is added. The solver takes the shift w. */
+PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, PetscReal w, PetscReal *G);
+/* Upper bound of ||(R(iw) - R_0 Phi(iw)) D|| in the norm of (w E + K)^-1, w the solver's present shift, D =
+ * diag(weight) [p]. The basis must be the one that the residual was created with. A bound that needs no solve is given
+ * where it is below `negligible`; else 2 p solves are made. */
+PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
+                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible, PetscReal *defect);
+PetscErrorCode residual_destroy(Residual **residual);
+
+#endif
