@@ -57,15 +57,15 @@ bool material_read_table(YamlNode node, const char *x_unit, const char *y_unit, 
 }
 
 /* A property of a temperature: one quantity, or pairs. The constant is its value at the highest temperature given. */
-static void read_function(YamlNode node, const char *unit, Table *table, double *constant)
+static void read_function(YamlNode node, const char *unit, YamlRange range, Table *table, double *constant)
 {
   if (!yaml_exists(node)) return;
   if (yaml_is_scalar(node)) {
-    const double value = yaml_quantity(node, unit, YAML_POSITIVE, NAN), at = 0.0;
+    const double value = yaml_quantity(node, unit, range, NAN), at = 0.0;
     CastError err;
     if (isfinite(value) && table_create(1, &at, &value, table, &err) != CAST_OK) yaml_problem(node, "%s", err.message);
   } else {
-    material_read_table(node, "K", unit, YAML_POSITIVE, table);
+    material_read_table(node, "K", unit, range, table);
   }
   if (table->n && constant) *constant = table->y[table->n - 1];
 }
@@ -95,12 +95,15 @@ static const double HALF_TURN = 3.1415926536; // rad, above pi: 180 deg is allow
 
 static void read_flow(YamlNode map, Material *material)
 {
-  read_function(material_property(map, "viscosity"), "Pa.s", &material->viscosity_of_t, NULL);
-  material->surface_tension = yaml_quantity(material_property(map, "surface_tension"), "N/m", YAML_NON_NEGATIVE, NAN);
+  read_function(material_property(map, "viscosity"), "Pa.s", YAML_POSITIVE, &material->viscosity_of_t, NULL);
+  read_function(material_property(map, "surface_tension"), "N/m", YAML_NON_NEGATIVE, &material->surface_tension_of_t,
+                &material->surface_tension);
   material->contact_angle =
       yaml_quantity(material_property(map, "contact_angle"), "rad", (YamlRange){0.0, HALF_TURN, false}, NAN);
   material->coherency_fraction =
       yaml_quantity(material_property(map, "coherency_fraction"), "1", (YamlRange){0.0, 1.0, true}, NAN);
+  material->dendrite_arm_spacing =
+      yaml_quantity(material_property(map, "dendrite_arm_spacing"), "m", YAML_POSITIVE, NAN);
 }
 
 static void read_name(YamlNode map, const char *fallback, Material *material)
@@ -117,7 +120,8 @@ static void read_map(YamlNode map, const char *name, Material *material)
   read_name(map, name, material);
   material_read_remarks(map);
   material->density = yaml_quantity(required_property(map, "density"), "kg/m^3", YAML_POSITIVE, NAN);
-  read_function(required_property(map, "conductivity"), "W/m/K", &material->conductivity_of_t, &material->conductivity);
+  read_function(required_property(map, "conductivity"), "W/m/K", YAML_POSITIVE, &material->conductivity_of_t,
+                &material->conductivity);
   material->reference_temperature = yaml_quantity(yaml_get(map, "reference_temperature"), "K", YAML_POSITIVE, NAN);
   read_flow(map, material);
   material_read_heat(map, material);
@@ -133,7 +137,8 @@ static void clear(Material *material)
                          .liquidus = NAN,
                          .surface_tension = NAN,
                          .contact_angle = NAN,
-                         .coherency_fraction = NAN};
+                         .coherency_fraction = NAN,
+                         .dendrite_arm_spacing = NAN};
 }
 
 static CastStatus keep_text(const char *text, size_t n, Material *material, CastError *err)
@@ -188,6 +193,7 @@ void material_destroy(Material *material)
   table_destroy(&material->solid_fraction);
   table_destroy(&material->conductivity_of_t);
   table_destroy(&material->viscosity_of_t);
+  table_destroy(&material->surface_tension_of_t);
   clear(material);
 }
 

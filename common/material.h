@@ -21,9 +21,11 @@ typedef struct Material {
   Table solid_fraction;         // T [K] -> solid fraction [1], decreasing; n = 0 if the material does not melt
   Table conductivity_of_t;      // T [K] -> W/(m K); n >= 1 for a melt
   Table viscosity_of_t;         // T [K] -> Pa s; n >= 1 for a melt
-  double surface_tension;       // N/m; NAN if not given
+  Table surface_tension_of_t;   // T [K] -> N/m; n = 0 if not given
+  double surface_tension;       // N/m, at the highest temperature given; NAN if not given
   double contact_angle;         // rad, on the mould; NAN if not given
   double coherency_fraction;    // solid fraction at which flow stops; NAN if not given
+  double dendrite_arm_spacing;  // m, of the mush that drags on the flow; NAN if not given: none does
 } Material;
 
 /* Read the material that `node` names: a scalar is the name of a file share/materials/NAME.yaml (searched in
@@ -44,5 +46,6 @@ CastStatus material_check_melt(const Material *material, CastError *err);
 
 double material_temperature(const Material *material, double enthalpy); // T(E), K; extrapolates with the end slopes
 double material_enthalpy(const Material *material, double temperature); // E(T), J/kg; the exact inverse
+double material_temperature_of_fraction(const Material *material, double fraction); // K, the highest that has it
 double material_specific_heat_min(const Material *material); // smallest dE/dT, J/(kg K): limits conduction steps
 #endif

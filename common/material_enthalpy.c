@@ -24,6 +24,15 @@ double material_enthalpy(const Material *material, double temperature)
   return table_interpolate_open(curve->x, curve->y, curve->n, temperature);
 }
 
+double material_temperature_of_fraction(const Material *material, double fraction)
+{
+  const Table *fs = &material->solid_fraction; // falls from 1 to 0
+  size_t i = fs->n - 1;
+  while (i > 0 && fs->y[i - 1] < fraction) i--;
+  if (i == 0 || fs->y[i] >= fraction) return fs->x[i];
+  return fs->x[i] - (fs->x[i] - fs->x[i - 1]) * ((fraction - fs->y[i]) / (fs->y[i - 1] - fs->y[i]));
+}
+
 double material_specific_heat_min(const Material *material)
 {
   const Table *curve = &material->enthalpy;

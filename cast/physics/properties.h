@@ -1,4 +1,4 @@
-/* properties.h - temperature, conductivity and viscosity of the melt from its enthalpy. Internal to physics/. */
+/* properties.h - temperature, conductivity and viscosity of the melt from its enthalpy. For physics/ and cool/. */
 #ifndef CAST_PHYSICS_PROPERTIES_H
 #define CAST_PHYSICS_PROPERTIES_H
 

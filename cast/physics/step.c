@@ -4,6 +4,7 @@
 
 #include "cast/kernel/pair.h"
 #include "cast/physics/properties.h"
+#include "cast/physics/solidification.h"
 #include "cast/physics/sph.h"
 
 enum { ROWS_PER_TASK = 512 };
@@ -19,11 +20,13 @@ static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t end)
   const Particles *p = d->p;
   const double dt = d->dt, half = 0.5 * dt;
   const bool continuity = d->sph->density == SPH_CONTINUITY;
+  const double lock = solidification_of(d->sph->melt).lock_enthalpy;
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
+    const double free = p->E[i] > lock ? 1.0 : 0.0; // a skeleton of solid stands where it is
     double moved2 = 0.0;
     for (int axis = 0; axis < 3; axis++) {
-      const double v = p->v[axis][i] + p->a[axis][i] * half;
+      const double v = free * (p->v[axis][i] + p->a[axis][i] * half);
       p->v[axis][i] = v;
       p->x[axis][i] += v * dt;
       moved2 += v * v;
@@ -110,18 +113,34 @@ CastStatus sph_drift(const SphParameters *sph, Particles *p, const Surface *surf
 
 /* ---- end of the step ---- */
 
+/* v' = -v mu_l/(rho K), implicit: the drag of a dense mush is far stiffer than any step. */
+static void drag_rows(const Material *melt, const Solidification *freezing, Particles *p, double dt, ptrdiff_t first,
+                      ptrdiff_t end)
+{
+  for (ptrdiff_t i = first; i < end; i++) {
+    if (p->T[i] >= freezing->liquidus || p->E[i] <= freezing->lock_enthalpy) continue;
+    const double mu = table_evaluate(&melt->viscosity_of_t, p->T[i]),
+                 fs = table_evaluate(&melt->solid_fraction, p->T[i]);
+    const double keep = 1.0 / (1.0 + dt * mu / p->rho[i] * solidification_drag(fs, freezing->arm));
+    for (int axis = 0; axis < 3; axis++) p->v[axis][i] *= keep;
+  }
+}
+
 static void finish_rows(const SphParameters *sph, Particles *p, double dt, ptrdiff_t first, ptrdiff_t end)
 {
   const bool flow = !sph->frozen_flow, continuity = flow && sph->density == SPH_CONTINUITY;
+  const Solidification freezing = solidification_of(sph->melt);
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
+    const double free = p->E[i] > freezing.lock_enthalpy ? 1.0 : 0.0;
     if (flow)
-      for (int axis = 0; axis < 3; axis++) p->v[axis][i] += p->a[axis][i] * 0.5 * dt;
+      for (int axis = 0; axis < 3; axis++) p->v[axis][i] = free * (p->v[axis][i] + p->a[axis][i] * 0.5 * dt);
     p->rho[i] = continuity ? p->rho_start[i] + p->drho[i] * dt : p->rho[i];
     p->volume[i] = p->mass[i] / whole_density(p->rho[i], sph->rho0);
     p->E[i] += p->heat[i] * dt / p->mass[i];
   }
   properties_of_rows(sph->melt, p, first, end);
+  if (flow && freezing.arm > 0.0) drag_rows(sph->melt, &freezing, p, dt, first, end);
 }
 
 typedef enum Fault { FAULT_NONE, FAULT_SPEED, FAULT_DENSITY, FAULT_ENTHALPY, FAULT_TEMPERATURE, FAULT_FAST } Fault;
