@@ -34,9 +34,9 @@ void table_destroy(Table *table)
   *table = (Table){0};
 }
 
-/* The segment [x[i], x[i+1]] that holds `at`, the last one that begins at or below it, for n >= 2. Halving without
- * branches: particles come in any order of temperature, and a mispredicted branch costs more than the whole search. */
-static size_t segment_of(const double *x, size_t n, double at)
+/* Halving without branches: particles come in any order of temperature, and a mispredicted branch costs more than the
+ * whole search. */
+size_t table_segment(const double *x, size_t n, double at)
 {
   size_t low = 0, length = n - 1; // segments that are still possible
   while (length > 1) {
@@ -51,19 +51,19 @@ double table_evaluate(const Table *table, double x)
 {
   if (table->n == 1 || x <= table->x[0]) return table->y[0];
   if (x >= table->x[table->n - 1]) return table->y[table->n - 1];
-  const size_t i = segment_of(table->x, table->n, x);
+  const size_t i = table_segment(table->x, table->n, x);
   return table->y[i] + (table->y[i + 1] - table->y[i]) * ((x - table->x[i]) / (table->x[i + 1] - table->x[i]));
 }
 
 double table_slope(const Table *table, double x)
 {
   if (table->n < 2 || x < table->x[0] || x > table->x[table->n - 1]) return 0.0;
-  const size_t i = segment_of(table->x, table->n, x);
+  const size_t i = table_segment(table->x, table->n, x);
   return (table->y[i + 1] - table->y[i]) / (table->x[i + 1] - table->x[i]);
 }
 
 double table_interpolate_open(const double *x, const double *y, size_t n, double at)
 {
-  const size_t i = segment_of(x, n, at);
+  const size_t i = table_segment(x, n, at);
   return y[i] + (y[i + 1] - y[i]) * ((at - x[i]) / (x[i + 1] - x[i]));
 }

@@ -16,7 +16,9 @@ typedef struct Table {
 CastStatus table_create(size_t n, const double *x, const double *y, Table *table, CastError *err);
 void table_destroy(Table *table);
 double table_evaluate(const Table *table, double x); // constant outside; NaN for NaN, unless the table has one point
-double table_slope(const Table *table, double x);    // dy/dx of the segment; 0 outside
+/* The segment [x[i], x[i+1]] that holds `at`, the last one that begins at or below it, or the first or last; n >= 2. */
+size_t table_segment(const double *x, size_t n, double at);
+double table_slope(const Table *table, double x); // dy/dx of the segment; 0 outside
 /* The same on bare arrays of n >= 2 points, continued beyond both ends with the slope of the end segment. */
 double table_interpolate_open(const double *x, const double *y, size_t n, double at);
 

@@ -84,6 +84,29 @@ EnergyLedger coupling_ledger(const Coupling *coupling, const RomState *state, co
 /* Melt left with this enthalpy, J (negative: it came in). */
 void coupling_record_removed(Coupling *coupling, double joules);
 
+/* ---- for the cooling stage, which solves melt and mould together ---- */
+
+/* The melt's contacts with the patches, and their conductances with melt and mould as they are. Borrowed, until the
+ * next rebuild; conductances until the next call of coupling_conductances. */
+typedef struct CouplingContacts {
+  ptrdiff_t n_near;                           // fluid particles with contacts
+  const int32_t *near;                        // [n_near] their indices, ascending
+  const ptrdiff_t *first;                     // [n_near + 1] into the contacts
+  const int32_t *patch;                       // [first[n_near]]
+  const double *conductance;                  // [first[n_near]] W/K
+  const ptrdiff_t *of_patch_start, *of_patch; // [m + 1], contacts of each patch, ascending
+} CouplingContacts;
+/* From now on `surface`, whatever the coupling was: its exchange is symmetric, what the melt gives a patch comes back
+ * as that patch's temperature, and heat that has gone deeper than the particle spacing makes the two kinds agree.
+ * coupling_rebuild must follow. */
+void coupling_use_surface(Coupling *coupling);
+bool coupling_mould_frozen(const Coupling *coupling);
+/* From the particles' T and kappa. */
+CouplingContacts coupling_conductances(Coupling *coupling, const Particles *particles);
+/* Mean flows q [m] W over the last dt s, after which the mould is in `state`: they go into the books, coupling_flow
+ * tells them, and wall particles show the mould's temperature. */
+void coupling_record_flows(Coupling *coupling, const RomState *state, Particles *particles, const double *q, double dt);
+
 /* For checkpoints: everything that changes during a run and is not made anew by coupling_rebuild. */
 enum { COUPLING_SIZE = 7 }; // doubles
 void coupling_save(const Coupling *coupling, double buffer[COUPLING_SIZE]);

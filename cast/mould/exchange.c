@@ -279,3 +279,32 @@ CastStatus coupling_advance(Coupling *c, RomState *state, Particles *particles, 
   }
   return CAST_OK;
 }
+
+/* ---- for the cooling stage ---- */
+
+void coupling_use_surface(Coupling *c)
+{
+  c->parameters.kind = c->rules.kind = COUPLING_SURFACE;
+}
+
+bool coupling_mould_frozen(const Coupling *c)
+{
+  return c->parameters.mould_frozen;
+}
+
+CouplingContacts coupling_conductances(Coupling *c, const Particles *particles)
+{
+  assert(c->parameters.kind == COUPLING_SURFACE); // one pair for each contact
+  set_conductances(c, particles);
+  const Contacts *contacts = &c->contacts;
+  return (CouplingContacts){contacts->n_near,      contacts->near,           contacts->first,   contacts->patch,
+                            contacts->conductance, contacts->of_patch_start, contacts->of_patch};
+}
+
+void coupling_record_flows(Coupling *c, const RomState *state, Particles *particles, const double *q, double dt)
+{
+  for (size_t l = 0; l < c->rom->m; l++) c->flow[l] = q[l];
+  count_exchanged(c, dt);
+  if (c->walls) wall_temperature_update(c->walls, state);
+  show_wall_temperatures(c, state, particles);
+}

@@ -207,6 +207,11 @@ double rom_state_time(const RomState *s)
   return s->time;
 }
 
+size_t rom_state_n_patches(const RomState *s)
+{
+  return s->rom->m;
+}
+
 const double *rom_state_patch_temperature(const RomState *s)
 {
   return s->temperature;
@@ -315,6 +320,31 @@ double rom_state_stiffness(const RomState *s, double h_eff, double dt)
   const double value = h_eff * rom_state_stiffness_of(s, area, dt);
   free(area);
   return value;
+}
+
+/* Columns of sqrt(phi) B, one patch after the other, so that each entry of G is one dot product. */
+static double *scaled_columns(const RomState *s, double dt, size_t n, const int32_t *patch)
+{
+  const size_t r = s->rom->r, m = s->rom->m;
+  double *column = malloc((n * r + 1) * sizeof *column);
+  for (size_t k = 0; k < r && column; k++) {
+    const double root = sqrt(gain(s->scheme, s->rom->lambda[k], dt));
+    for (size_t a = 0; a < n; a++) column[a * r + k] = root * s->rom->B[k * m + (size_t)patch[a]];
+  }
+  return column;
+}
+
+CastStatus rom_state_step_matrix(const RomState *s, double dt, size_t n, const int32_t *patch, double *G,
+                                 CastError *err)
+{
+  const size_t r = s->rom->r;
+  double *column = scaled_columns(s, dt, n, patch);
+  CAST_CHECK(column, err, CAST_ERR_MEMORY, "mould: no memory for the step matrix of %zu patches", n);
+#pragma omp parallel for schedule(dynamic, 4)
+  for (size_t a = 0; a < n; a++)
+    for (size_t b = 0; b <= a; b++) G[a * n + b] = G[b * n + a] = dot(column + a * r, column + b * r, r);
+  free(column);
+  return CAST_OK;
 }
 
 /* ---- checkpoints ---- */

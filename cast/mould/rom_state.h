@@ -16,6 +16,7 @@ void rom_state_destroy(RomState **state);
 /* One step of dt with the heat flows q [m] W, constant over it; patch temperatures are refreshed. */
 void rom_state_step(RomState *state, const double *q, double dt);
 double rom_state_time(const RomState *state);
+size_t rom_state_n_patches(const RomState *state);
 const double *rom_state_patch_temperature(const RomState *state); // [m] K
 const double *rom_state_z(const RomState *state);                 // [r]
 double rom_state_preheat(const RomState *state);
@@ -29,6 +30,9 @@ double rom_state_stiffness_of(const RomState *state, const double *conductance, 
 /* The same with D = h_eff times the areas of the cavity's patches: all of the cavity in contact. The staggered exchange
  * is stable below 1, and 0.5 is the limit used. INFINITY for an infinite h_eff. */
 double rom_state_stiffness(const RomState *state, double h_eff, double dt);
+/* G(dt) between n of the patches, K/W, row-major [n*n], symmetric. Errors: CAST_ERR_MEMORY. */
+CastStatus rom_state_step_matrix(const RomState *state, double dt, size_t n, const int32_t *patch, double *G,
+                                 CastError *err);
 /* Temperature, K, at the ROM's geometry points [n_points]. */
 void rom_state_point_temperature(const RomState *state, double *temperature);
 /* Multiplications and additions of one step: what the paper counts. */

@@ -204,6 +204,22 @@ void melt_on_mould_step(MeltOnMould *melt, double dt)
   melt->time += dt;
 }
 
+CoolCounts melt_on_mould_cool(MeltOnMould *melt, double tolerance, double first_step, double until)
+{
+  const CoolParameters parameters = {tolerance, first_step};
+  Cool *cool = NULL;
+  MUST(cool_create(&parameters, &melt->sph, &melt->particles, melt->neighbours, melt->coupling, melt->mould, &cool,
+                   err));
+  while (melt->time < until * (1.0 - 1e-12)) {
+    double taken = 0.0;
+    MUST(cool_step(cool, until - melt->time, &taken, err));
+    melt->time += taken;
+  }
+  const CoolCounts counts = cool_counts(cool);
+  cool_destroy(&cool);
+  return counts;
+}
+
 double melt_on_mould_time_step(const MeltOnMould *melt)
 {
   return sph_time_step(&melt->sph, &melt->particles).step;

@@ -8,7 +8,7 @@
 #ifndef TESTS_SUPPORT_MELT_ON_MOULD_H
 #define TESTS_SUPPORT_MELT_ON_MOULD_H
 
-#include "cast/mould/coupling.h"
+#include "cast/cool/cool.h"
 #include "tests/support/synthetic_rom.h"
 
 typedef struct MeltCase {
@@ -47,6 +47,8 @@ void melt_on_mould_create(const MeltCase *given, MeltOnMould *melt);
 void melt_on_mould_destroy(MeltOnMould *melt);
 void melt_on_mould_rebuild(MeltOnMould *melt);           // neighbour lists and contacts, after particles were moved
 void melt_on_mould_step(MeltOnMould *melt, double dt);   // conduction, exchange, mould, enthalpies
+/* In implicit steps until the time `until`, s. Returns what it took. */
+CoolCounts melt_on_mould_cool(MeltOnMould *melt, double tolerance, double first_step, double until);
 double melt_on_mould_time_step(const MeltOnMould *melt); // s, the run's own choice
 /* Temperature of the melt at height z of a layered block: linear between layers (of the mean over each). */
 double melt_on_mould_temperature(const MeltOnMould *melt, double z);
