@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "cast/kernel/pair.h"
-#include "cast/physics/dispatch.h"
+#include "cast/kernel/dispatch.h"
 
 enum { ROWS_PER_TASK = 256 };
 
