@@ -24,6 +24,12 @@ void comparison_print(const Comparison *comparison, FILE *out)
             row->cpu_seconds, 100.0 * row->reduction_share, row->peak_bytes / MEBIBYTE, 100.0 * row->step_error,
             100.0 * row->transfer_bound, row->multiplications, 1e6 * row->step_seconds);
   }
+  fprintf(out,
+          "full model, one implicit step of %g us: %.3g multiplications and additions, %.3g us (%.0f iterations of "
+          "conjugate "
+          "gradients)\n",
+          1e6 * comparison->full_dt, comparison->full_operations, 1e6 * comparison->full_seconds,
+          comparison->full_iterations);
   for (size_t i = 0; i < comparison->n; i++)
     if (comparison->row[i].second_stage > 0.0)
       fprintf(out, "%s: the second stage changes the transfer function by at most %.3g K/W\n",

@@ -23,6 +23,7 @@ typedef struct Comparison {
   const char *title; // borrowed
   long unknowns, patches;
   double tolerance, t_start, t_end;
+  double full_dt, full_operations, full_seconds, full_iterations; // one implicit step of the full model
   size_t n;
   ComparisonRow row[COMPARISON_MOST];
 } Comparison;

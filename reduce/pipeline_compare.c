@@ -108,6 +108,21 @@ static PetscErrorCode compare_rational(Pipeline *pipeline, Comparison *compariso
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* With the time step of a filling. */
+static PetscErrorCode measure_full_step(const Pipeline *pipeline, Comparison *comparison)
+{
+  static const PetscReal DT = 1e-5; // s
+  FullStepCost cost;
+
+  PetscFunctionBeginUser;
+  PetscCall(full_step_measure(pipeline->system, DT, &cost));
+  comparison->full_dt = DT;
+  comparison->full_operations = cost.operations;
+  comparison->full_seconds = cost.seconds;
+  comparison->full_iterations = cost.iterations;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static CastStatus write_results(const Pipeline *pipeline, const Comparison *comparison, CastError *err)
 {
   char *csv = pipeline_output_path(pipeline->config, ".compare.csv");
@@ -143,6 +158,7 @@ static PetscErrorCode compare_methods(Pipeline *pipeline)
                            .tolerance = config->tolerance,
                            .t_start = config->t_start,
                            .t_end = config->t_end};
+  PetscCall(measure_full_step(pipeline, &comparison));
   PetscCall(compare_arnoldi(pipeline, &comparison));
   PetscCall(compare_modal(pipeline, &comparison));
   PetscCall(compare_rational(pipeline, &comparison));

@@ -1,5 +1,7 @@
 #include "reduce/mor/online_cost.h"
 
+#include <petscksp.h>
+#include <petsctime.h>
 #include <time.h>
 
 #include "reduce/mor/modal_model.h"
@@ -69,5 +71,70 @@ PetscErrorCode online_cost_measure(const ReducedModel *model, OnlineCost *cost)
   cost->seconds = (now - start) / (PetscReal)steps;
   cost->multiplications = 2.0 * (PetscReal)r * (PetscReal)m + 2.0 * (PetscReal)r;
   PetscCall(PetscFree5(decay, phi, q, z, T));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the full model ---- */
+
+enum { FULL_STEPS = 10 };
+
+static PetscErrorCode full_step_solver(const ThermalSystem *system, PetscReal dt, KSP *ksp)
+{
+  Mat A;
+  PC pc;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatDuplicate(system->K, MAT_COPY_VALUES, &A));
+  PetscCall(MatAXPY(A, 1.0 / dt, system->E, UNKNOWN_NONZERO_PATTERN));
+  PetscCall(KSPCreate(PetscObjectComm((PetscObject)A), ksp));
+  PetscCall(KSPSetOptionsPrefix(*ksp, "full_step_"));
+  PetscCall(KSPSetOperators(*ksp, A, A));
+  PetscCall(KSPSetType(*ksp, KSPCG));
+  PetscCall(KSPGetPC(*ksp, &pc));
+  PetscCall(PCSetType(pc, PCJACOBI));
+  PetscCall(KSPSetTolerances(*ksp, 1e-6, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(KSPSetInitialGuessNonzero(*ksp, PETSC_TRUE));
+  PetscCall(KSPSetErrorIfNotConverged(*ksp, PETSC_TRUE));
+  PetscCall(KSPSetFromOptions(*ksp));
+  PetscCall(KSPSetUp(*ksp));
+  PetscCall(MatDestroy(&A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode full_step_measure(const ThermalSystem *system, PetscReal dt, FullStepCost *cost)
+{
+  KSP ksp;
+  Vec theta, rhs, power, q;
+  PetscLogDouble flops[2], all, begun, ended;
+  PetscInt iterations = 0;
+
+  PetscFunctionBeginUser;
+  PetscCall(full_step_solver(system, dt, &ksp));
+  PetscCall(MatCreateVecs(system->B, &q, &power));
+  PetscCall(VecDuplicate(power, &theta));
+  PetscCall(VecDuplicate(power, &rhs));
+  PetscCall(VecSet(q, 1.0));
+  PetscCall(MatMult(system->B, q, power)); // the heat's sum over patches costs next to nothing: B is sparse by nature
+  PetscCall(VecSet(theta, 0.0));
+  PetscCall(PetscGetFlops(&flops[0]));
+  PetscCall(PetscTime(&begun));
+  for (PetscInt step = 0; step < FULL_STEPS; step++) {
+    PetscInt taken;
+    PetscCall(MatMult(system->E, theta, rhs));
+    PetscCall(VecAXPBY(rhs, 1.0, 1.0 / dt, power));
+    PetscCall(KSPSolve(ksp, rhs, theta));
+    PetscCall(KSPGetIterationNumber(ksp, &taken));
+    iterations += taken;
+  }
+  PetscCall(PetscTime(&ended));
+  PetscCall(PetscGetFlops(&flops[1]));
+  const PetscLogDouble here = flops[1] - flops[0];
+  PetscCallMPI(MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, PetscObjectComm((PetscObject)ksp)));
+  *cost = (FullStepCost){all / FULL_STEPS, (ended - begun) / FULL_STEPS, (PetscReal)iterations / FULL_STEPS};
+  PetscCall(VecDestroy(&q));
+  PetscCall(VecDestroy(&power));
+  PetscCall(VecDestroy(&theta));
+  PetscCall(VecDestroy(&rhs));
+  PetscCall(KSPDestroy(&ksp));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
