@@ -21,6 +21,13 @@ static const char HELP[] =
     "understood\n"
     "  castreduce compare MOULD.YAML [--quiet] [PETSc options]  reduce by every method; prints a table, writes CSV and "
     "plot\n"
+    "  castreduce replay FILE.rom.h5 RECORD.h5 [options]     the full model driven by the heat that castrun recorded: "
+    "the\n"
+    "                                                        ROM's true error on that run. Options:\n"
+    "      --resolved          also what lumping the heat on patches costs (record_triangles)\n"
+    "      --fields TIMES      the mould's whole temperature field for ParaView, at '10 ms,0.5 s'\n"
+    "      --mould MOULD.YAML  the input that the ROM was made from, if it was moved\n"
+    "      --substeps N        time steps in each interval, default 4\n"
     "  castreduce info FILE.rom.h5                           print what a ROM file holds\n"
     "  castreduce picture FILE.rom.h5 OUT.png                draw its patches on the cavity wall\n"
     "  castreduce --help | --version\n"
@@ -166,6 +173,51 @@ static int run_task(int argc, char **argv, PetscErrorCode (*step)(MPI_Comm, cons
   return code;
 }
 
+/* The options of replay, taken out; what is left must be PETSc's. */
+static bool take_replay_options(int *argc, char **argv, PipelineTask *task, ReplayOptions *options)
+{
+  int kept = 4;
+  for (int i = 4; i < *argc; i++) {
+    const char *value = i + 1 < *argc ? argv[i + 1] : NULL;
+    char *end = NULL;
+    if (strcmp(argv[i], "--quiet") == 0)
+      task->quiet = true;
+    else if (strcmp(argv[i], "--resolved") == 0)
+      options->resolved = true;
+    else if (strcmp(argv[i], "--fields") == 0 && value)
+      options->fields = argv[++i];
+    else if (strcmp(argv[i], "--mould") == 0 && value)
+      options->mould_path = argv[++i];
+    else if (strcmp(argv[i], "--substeps") == 0 && value && (options->substeps = strtol(argv[++i], &end, 10)) >= 1 &&
+             !*end && options->substeps <= 1000)
+      continue;
+    else if (argv[i][0] == '-' && argv[i][1] != '-' && strcmp(argv[i - 1], "--substeps") != 0)
+      argv[kept++] = argv[i];
+    else if (kept > 4 && argv[kept - 1][0] == '-')
+      argv[kept++] = argv[i];
+    else {
+      fprintf(stderr, "castreduce: error: '%s' is not understood here; see castreduce --help\n", argv[i]);
+      return false;
+    }
+  }
+  *argc = kept;
+  return true;
+}
+
+static int run_replay(int argc, char **argv)
+{
+  char *command = join_arguments(argc, argv);
+  ReplayOptions options = {.rom_path = argv[2], .record_path = argv[3], .substeps = 4};
+  PipelineTask task = {.command = command ? command : "castreduce", .replay = &options};
+  int code = EXIT_USAGE;
+  if (take_replay_options(&argc, argv, &task, &options)) {
+    argv[3] = argv[0]; // PETSc counts from its program's name
+    code = run_parallel(argc - 3, argv + 3, pipeline_replay, &task);
+  }
+  free(command);
+  return code;
+}
+
 static int print_info(const char *path)
 {
   CastError err = {CAST_OK, ""};
@@ -207,6 +259,7 @@ int main(int argc, char **argv)
   if (argc >= 3 && strcmp(verb, "run") == 0) return run_task(argc, argv, pipeline_run);
   if (argc >= 3 && strcmp(verb, "check") == 0) return run_task(argc, argv, pipeline_check);
   if (argc >= 3 && strcmp(verb, "compare") == 0) return run_task(argc, argv, pipeline_compare);
+  if (argc >= 4 && strcmp(verb, "replay") == 0) return run_replay(argc, argv);
   if (argc == 3 && strcmp(verb, "info") == 0) return print_info(argv[2]);
   if (argc == 4 && strcmp(verb, "picture") == 0) return draw_picture(argv[2], argv[3]);
   if (argc > 1) fprintf(stderr, "castreduce: error: '%s' with %d more arguments is not understood\n\n", verb, argc - 2);

@@ -1,0 +1,140 @@
+/* full_run.c
+ * Method: R(z) = sum_j c_j w^j, w = 1/(1 - gamma z), order 5 with the gamma that makes the numerator's degree 4: then
+ * R(infinity) = 0 (Hairer & Wanner 1996, Solving Ordinary Differential Equations II, table IV.6.4). For constant F
+ *   theta' = theta + sum_k d_k v_k,  v_1 = (s E + K)^-1 (F - K theta),  v_k+1 = s (s E + K)^-1 E v_k,  s = 1/(gamma
+ * dt), d_k = sum_{j >= k} c_j, and the c_j solve sum_j c_j (j + i - 1 over i) gamma^i = 1/i!, i < 5. */
+#include "reduce/replay/full_run.h"
+
+#include <math.h>
+
+#include "reduce/mor/dense_block.h"
+#include "reduce/petsc_compat.h"
+
+enum { STAGES = 5 };
+static const PetscReal GAMMA = 0.278053841136452;
+static const PetscReal RTOL = 1e-11;     // of each stage's solve
+static const PetscReal SAME_SPAN = 1e-9; // relative
+
+struct FullRun {
+  const ThermalSystem *system; // borrowed
+  ShiftedSolver *solver;
+  PetscInt k, substeps;
+  PetscReal span;      // s, that the solver's shift belongs to
+  Mat theta, v, right; // [n x k]
+};
+
+static void scheme_weights(PetscReal d[STAGES])
+{
+  PetscReal A[STAGES][STAGES + 1], factorial = 1.0, sum = 0.0;
+  for (int i = 0; i < STAGES; i++) {
+    if (i > 0) factorial *= i;
+    A[i][STAGES] = 1.0 / factorial;
+    for (int j = 1; j <= STAGES; j++) {
+      A[i][j - 1] = pow(GAMMA, i);
+      for (int a = 1; a <= i; a++) A[i][j - 1] *= (PetscReal)(j - 1 + a) / a;
+    }
+  }
+  for (int p = 0; p < STAGES; p++) // Gauss-Jordan; the pivots are well away from 0 here
+    for (int i = 0; i < STAGES; i++) {
+      if (i == p) continue;
+      const PetscReal factor = A[i][p] / A[p][p];
+      for (int j = p; j <= STAGES; j++) A[i][j] -= factor * A[p][j];
+    }
+  for (int j = STAGES - 1; j >= 0; j--) d[j] = sum += A[j][STAGES] / A[j][j];
+}
+
+PetscErrorCode full_run_create(const ThermalSystem *system, PetscInt k, PetscInt substeps, FullRun **out)
+{
+  FullRun *run;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&run));
+  *out = run;
+  run->system = system;
+  run->k = k;
+  run->substeps = substeps;
+  PetscCall(shifted_solver_create(system, RTOL, PETSC_FALSE, &run->solver));
+  PetscCall(dense_block_create(system->E, k, &run->theta));
+  PetscCall(dense_block_create(system->E, k, &run->v));
+  PetscCall(dense_block_create(system->E, k, &run->right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* theta += d v, the same factor for all columns */
+static PetscErrorCode add(FullRun *run, PetscReal d)
+{
+  PetscReal *factor;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)run->k, &factor));
+  for (PetscInt c = 0; c < run->k; c++) factor[c] = d;
+  PetscCall(dense_block_axpby(run->theta, 1.0, factor, run->v));
+  PetscCall(PetscFree(factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode step(FullRun *run, const PetscReal *d, Mat F)
+{
+  const PetscReal s = shifted_solver_get_shift(run->solver);
+  PetscReal *factor;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)run->k, &factor));
+  for (PetscInt c = 0; c < run->k; c++) factor[c] = 1.0;
+  PetscCall(dense_block_multiply(run->system->K, run->theta, run->right));
+  PetscCall(dense_block_axpby(run->right, -1.0, factor, F)); // F - K theta
+  for (PetscInt c = 0; c < run->k; c++) factor[c] = s;
+  for (int k = 0; k < STAGES; k++) {
+    PetscCall(shifted_solver_solve(run->solver, run->right, run->v));
+    PetscCall(add(run, d[k]));
+    if (k + 1 == STAGES) break;
+    PetscCall(dense_block_multiply(run->system->E, run->v, run->right));
+    PetscCall(dense_block_scale(run->right, factor));
+  }
+  PetscCall(PetscFree(factor));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode full_run_advance(FullRun *run, PetscReal span, Mat F)
+{
+  PetscReal d[STAGES];
+
+  PetscFunctionBeginUser;
+  scheme_weights(d);
+  if (fabs(span - run->span) > SAME_SPAN * span) {
+    run->span = span;
+    PetscCall(shifted_solver_set_shift(run->solver, (PetscReal)run->substeps / (GAMMA * span), 1000 * run->k));
+  }
+  for (PetscInt i = 0; i < run->substeps; i++) PetscCall(step(run, d, F));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+Mat full_run_state(const FullRun *run)
+{
+  return run->theta;
+}
+
+PetscReal full_run_advance_mode(PetscReal lambda, PetscReal u, PetscReal span, PetscInt substeps, PetscReal z)
+{
+  PetscReal d[STAGES];
+  const PetscReal s = (PetscReal)substeps / (GAMMA * span);
+
+  scheme_weights(d);
+  for (PetscInt i = 0; i < substeps; i++) {
+    PetscReal v = (u - lambda * z) / (s + lambda);
+    for (int k = 0; k < STAGES; k++, v *= s / (s + lambda)) z += d[k] * v;
+  }
+  return z;
+}
+
+PetscErrorCode full_run_destroy(FullRun **run)
+{
+  PetscFunctionBeginUser;
+  if (!*run) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(shifted_solver_destroy(&(*run)->solver));
+  PetscCall(MatDestroy(&(*run)->theta));
+  PetscCall(MatDestroy(&(*run)->v));
+  PetscCall(MatDestroy(&(*run)->right));
+  PetscCall(PetscFree(*run));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
