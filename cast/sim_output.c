@@ -53,7 +53,8 @@ CastStatus sim_output_record(Sim *sim, CastError *err)
   SimOutput *out = sim->output;
   if (!out || !out->recorder) return CAST_OK;
   const double *power = NULL;
-  if (out->wall_heat) CAST_CALL(wall_heat_power(out->wall_heat, sim->coupling, &sim->particles, &power, err));
+  if (out->wall_heat)
+    CAST_CALL(wall_heat_power(out->wall_heat, sim->coupling, &sim->particles, sim->neighbours, &power, err));
   return heat_recorder_add(out->recorder, sim->counts.time, sim->counts.dt, coupling_flow(sim->coupling), power, err);
 }
 
@@ -137,7 +138,8 @@ static CastStatus open_record(Sim *sim, const size_t *rows, CastError *err)
   SimOutput *out = sim->output;
   const CastConfig *c = sim->config;
   if (!(c->output.record_every > 0.0)) return CAST_OK;
-  if (c->output.record_triangles) CAST_CALL(wall_heat_create(sim->rom, sim->surface, &out->wall_heat, err));
+  if (c->output.record_triangles)
+    CAST_CALL(wall_heat_create(sim->rom, sim->surface, &sim->particles, &out->wall_heat, err));
   const HeatRecorderSetup setup = {.every = c->output.record_every,
                                    .rom_sha256 = sim->rom_sha256,
                                    .preheat = c->preheat,

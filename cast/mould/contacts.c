@@ -308,15 +308,30 @@ static void free_shares(Share *shares, int n)
   free(shares);
 }
 
+static Build begin_build(const ContactRules *rules, const Particles *p, const Neighbours *neighbours)
+{
+  const double h = rules->sph->h, *period = neighbours_period(neighbours);
+  return (Build){.rules = rules,
+                 .p = p,
+                 .list = neighbours_fluid_wall(neighbours),
+                 .period = {period[0], period[1], period[2]},
+                 .slope = shape_norm(rules->sph->kernel) / (h * h * h * h * h)};
+}
+
+double contacts_share(const ContactRules *rules, const Particles *p, const Neighbours *neighbours, ptrdiff_t i,
+                      ptrdiff_t k)
+{
+  const Build build = begin_build(rules, p, neighbours);
+  Touch touch;
+  measure(&build, i, k, &touch);
+  if (touch.area <= 0.0 || touch.distance < -behind * rules->sph->spacing) return 0.0;
+  return touch.area / fmax(touch.distance, rules->least_distance);
+}
+
 CastStatus contacts_build(Contacts *c, const ContactRules *rules, const Particles *p, const Neighbours *neighbours,
                           CastError *err)
 {
-  const double h = rules->sph->h, *period = neighbours_period(neighbours);
-  const Build build = {.rules = rules,
-                       .p = p,
-                       .list = neighbours_fluid_wall(neighbours),
-                       .period = {period[0], period[1], period[2]},
-                       .slope = shape_norm(rules->sph->kernel) / (h * h * h * h * h)};
+  const Build build = begin_build(rules, p, neighbours);
   const ptrdiff_t longest = longest_row(build.list);
   const int most = omp_get_max_threads();
   int used = 0;
