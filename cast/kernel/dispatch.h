@@ -4,6 +4,8 @@
 #ifndef CAST_KERNEL_DISPATCH_H
 #define CAST_KERNEL_DISPATCH_H
 
+#include <stdint.h> // any header of the C library tells whether it is glibc, whose loader does the picking
+
 #if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define SIMD_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else

@@ -1,5 +1,6 @@
 /* pair.h - every formula between two particles and of one particle's state, once.
- * Pure inline functions of plain numbers: the vectorised loops of physics/ and the scalar tests use the same text.
+ * Pure inline functions of plain numbers. Those between two particles stand in pair_formulas.h and exist for double,
+ * and with _f for float: the vectorised loops of physics/ and the plain ones use the same text.
  *
  * Kernels (q = r/h, W = norm w(q)/h^3, F = -W'/r = norm f(q)/h^5, f = -w'/q):
  *   Wendland C2      w = (1 - q/2)^4 (2q + 1)                  q < 2   Wendland 1995
@@ -19,16 +20,6 @@
 #define PAIR_INLINE static inline __attribute__((always_inline, unused))
 
 static const double pair_pi = 3.14159265358979323846;
-
-PAIR_INLINE double positive(double a)
-{
-  return a > 0.0 ? a : 0.0;
-}
-
-PAIR_INLINE double cube(double a)
-{
-  return a * a * a;
-}
 
 PAIR_INLINE double shape_support(KernelKind kind)
 {
@@ -50,36 +41,17 @@ PAIR_INLINE double shape_norm(KernelKind kind)
   }
 }
 
-PAIR_INLINE double shape_value(KernelKind kind, double q)
-{
-  if (kind == KERNEL_CUBIC_SPLINE) return cube(positive(2.0 - q)) - 4.0 * cube(positive(1.0 - q));
-  if (kind == KERNEL_QUINTIC_SPLINE) {
-    const double a = positive(3.0 - q), b = positive(2.0 - q), c = positive(1.0 - q);
-    return cube(a) * a * a - 6.0 * cube(b) * b * b + 15.0 * cube(c) * c * c;
-  }
-  if (kind == KERNEL_LUCY) return (1.0 + 3.0 * q) * cube(positive(1.0 - q));
-  const double s = positive(1.0 - 0.5 * q);
-  return cube(s) * s * (2.0 * q + 1.0);
-}
+#define REAL double
+#define NAME(name) name
+#include "cast/kernel/pair_formulas.h"
+#undef NAME
+#undef REAL
 
-PAIR_INLINE double shape_slope(KernelKind kind, double q)
-{
-  if (kind == KERNEL_CUBIC_SPLINE) {
-    const double a = positive(2.0 - q), b = positive(1.0 - q);
-    // near q = 0 the quotient is 12 - 9 q; the numerator is exactly that times q for q < 1
-    return q < 1.0 ? 12.0 - 9.0 * q : (3.0 * a * a - 12.0 * b * b) / q;
-  }
-  if (kind == KERNEL_QUINTIC_SPLINE) {
-    const double a = positive(3.0 - q), b = positive(2.0 - q);
-    // for q < 1 the brackets' constant terms cancel: 5 a^4 - 30 b^4 + 75 c^4 = q (120 - 120 q^2 + 50 q^3)
-    return q < 1.0 ? 120.0 - 120.0 * q * q + 50.0 * cube(q) : (5.0 * a * cube(a) - 30.0 * b * cube(b)) / q;
-  }
-  if (kind == KERNEL_LUCY) {
-    const double s = positive(1.0 - q);
-    return 12.0 * s * s;
-  }
-  return 5.0 * cube(positive(1.0 - 0.5 * q));
-}
+#define REAL float
+#define NAME(name) name##_f
+#include "cast/kernel/pair_formulas.h"
+#undef NAME
+#undef REAL
 
 /* ---- one particle's state ---- */
 
@@ -144,57 +116,6 @@ PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double g
 PAIR_INLINE double impact_push(double torn, double c0, double speed_into_wall)
 {
   return torn * c0 * positive(speed_into_wall);
-}
-
-/* ---- two particles; d = x_i - x_j, u = v_i - v_j; F is kernel_slope ---- */
-
-/* Continuity with density diffusion, drho_i/dt = sum V_j (-rho_i u.d + 2 delta h c0 (eta_j - eta_i)) F        (eq. 13)
- * With volumes that do not grow beyond a torn melt's, the logarithm of the density changes by what the sum V_j W_ij
- * changes: it cannot become negative, and what is torn apart and joins again has the density that it had. */
-PAIR_INLINE double pair_continuity(double rho_i, double volume_j, double u_dot_d, double F)
-{
-  return -rho_i * volume_j * F * u_dot_d;
-}
-
-PAIR_INLINE double pair_diffusion(double volume_j, double strength, double eta_i, double eta_j, double F)
-{
-  return volume_j * F * (strength * (eta_j - eta_i));
-}
-
-/* Pressure: dv_i/dt = d pair_pressure, with P = p/rho^2; -grad W = d F                                  (eq. 15) */
-PAIR_INLINE double pair_pressure(double mass_j, double P_i, double P_j, double artificial, double F)
-{
-  return mass_j * F * ((P_i + P_j) + artificial);
-}
-
-/* The same from a wall, which pushes and never pulls: melt does not wet the mould, and a drop that was stretched a
- * little would be drawn into the wall by its own negative pressure. */
-PAIR_INLINE double pair_wall_pressure(double mass_j, double P_i, double P_wall, double F)
-{
-  return mass_j * F * positive(P_i + P_wall);
-}
-
-/* Artificial viscosity (Monaghan 1992): what is added to P_i + P_j where two particles approach, u.d < 0;
- * per_r2_plus = 1/(r^2 + 0.01 h^2),
- * strength = alpha c0 h/rho0 (the mean density replaced by rho0: within the 1 % of weak compressibility). */
-PAIR_INLINE double pair_artificial(double strength, double u_dot_d, double per_r2_plus)
-{
-  return strength * positive(-u_dot_d) * per_r2_plus;
-}
-
-/* Viscosity: dv_i/dt = -u pair_viscosity; 4 mu mu/(mu + mu) keeps the stress continuous where mu jumps   (eq. 15) */
-PAIR_INLINE double pair_viscosity(double volume_j, double per_rho_i, double mu_i, double mu_j, double per_mu_sum,
-                                  double F)
-{
-  return volume_j * F * per_rho_i * (4.0 * (mu_i * mu_j) * per_mu_sum);
-}
-
-/* Heat from j to i, W. Every factor is symmetric in i and j but the last, which changes sign: what i gains j loses, to
- * the last bit. (eq. 16) */
-PAIR_INLINE double pair_heat(double volume_i, double volume_j, double kappa_i, double kappa_j, double per_kappa_sum,
-                             double T_i, double T_j, double F)
-{
-  return (volume_i * volume_j) * (4.0 * (kappa_i * kappa_j) * per_kappa_sum) * F * (T_j - T_i);
 }
 
 #endif

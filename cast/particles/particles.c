@@ -62,8 +62,8 @@ static bool allocate_fields(Particles *p)
   p->id = allocate(p->n, sizeof *p->id);
   p->patch = allocate(n_wall, sizeof *p->patch);
   p->echo = allocate(n_wall, sizeof *p->echo);
-  return allocate_double(n_wall, &p->depth) && allocate_double(p->n * RECORD_SIZE, &p->record) && p->id && p->patch &&
-         p->echo && ok;
+  p->record = allocate(p->n * RECORD_SIZE, sizeof *p->record);
+  return allocate_double(n_wall, &p->depth) && p->record && p->id && p->patch && p->echo && ok;
 }
 
 static void fill_fluid(Particles *p, double *const x[3], double spacing, double rho0)
@@ -114,8 +114,8 @@ CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacin
 void particles_destroy(Particles *p)
 {
   if (!p) return;
-  double *const scalar[] = {p->rho,   p->drho, p->p,         p->mass,      p->volume,    p->E,     p->heat,  p->T,
-                            p->kappa, p->mu,   p->rho_start, p->drho_last, p->clearance, p->depth, p->record};
+  double *const scalar[] = {p->rho, p->drho,  p->p,  p->mass,      p->volume,    p->E,         p->heat,
+                            p->T,   p->kappa, p->mu, p->rho_start, p->drho_last, p->clearance, p->depth};
   for (size_t f = 0; f < sizeof scalar / sizeof *scalar; f++) free(scalar[f]);
   for (int d = 0; d < 3; d++) {
     free(p->x[d]);
@@ -125,6 +125,7 @@ void particles_destroy(Particles *p)
     free(p->normal[d]);
     free(p->wall_v[d]);
   }
+  free(p->record);
   free(p->id);
   free(p->patch);
   free(p->echo);

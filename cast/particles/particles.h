@@ -10,6 +10,12 @@
 #include "cast/geometry/walls.h"
 #include "common/error.h"
 
+enum { RECORD_SIZE = 12 };
+typedef union RecordField {
+  float value;
+  uint32_t place; // a position as an integer
+} RecordField;
+
 typedef struct Particles {
   ptrdiff_t n, n_fluid, capacity_fluid;
   double *x[3];   // [n] m
@@ -34,11 +40,8 @@ typedef struct Particles {
   double *wall_v[3];                   // m/s, the wall's own velocity (zero; tests move walls)
   int32_t *patch;
   uint8_t *echo; // see walls.h
-  double *
-      record; // [n * RECORD_SIZE] what pair sums need of a particle, side by side; scratch of physics/, stale elsewhere
+  RecordField *record; // [n * RECORD_SIZE] what pair sums need of a particle; scratch of physics/, stale elsewhere
 } Particles;
-
-enum { RECORD_SIZE = 12 };
 
 /* The fields that belong to a fluid particle and move with it when particles are re-sorted: all of the [n] ones but id.
  * What a checkpoint must keep of the fluid is these and id. */

@@ -29,7 +29,10 @@ static void run_tasks(const SphParameters *sph, Particles *p, const Neighbours *
     sweep_pack_fluid(&sweep);
   }
   if (tasks.flow) sweep_walls(&sweep);
-  sweep_fluid(&sweep, tasks);
+  if (tasks.flow && tasks.heat)
+    sweep_fluid(&sweep);
+  else
+    sweep_fluid_plain(&sweep, tasks);
 }
 
 void sph_rates(const SphParameters *sph, Particles *particles, const Neighbours *neighbours)
@@ -57,11 +60,14 @@ static Extremes find_extremes(const Particles *p)
 {
   double v2 = 0.0, a2 = 0.0, nu = 0.0, conductivity = 0.0;
 #pragma omp parallel for simd reduction(max : v2, a2, nu, conductivity)
-  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-    v2 = fmax(v2, p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i]);
-    a2 = fmax(a2, p->a[0][i] * p->a[0][i] + p->a[1][i] * p->a[1][i] + p->a[2][i] * p->a[2][i]);
-    nu = fmax(nu, p->mu[i] / p->rho[i]);
-    conductivity = fmax(conductivity, p->kappa[i] / p->rho[i]);
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) { // not fmax: it cares for NaN and is a call
+    const double v2_i = p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i];
+    const double a2_i = p->a[0][i] * p->a[0][i] + p->a[1][i] * p->a[1][i] + p->a[2][i] * p->a[2][i];
+    const double nu_i = p->mu[i] / p->rho[i], conductivity_i = p->kappa[i] / p->rho[i];
+    v2 = v2_i > v2 ? v2_i : v2;
+    a2 = a2_i > a2 ? a2_i : a2;
+    nu = nu_i > nu ? nu_i : nu;
+    conductivity = conductivity_i > conductivity ? conductivity_i : conductivity;
   }
   return (Extremes){sqrt(v2), sqrt(a2), nu, conductivity};
 }
