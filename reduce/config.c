@@ -120,6 +120,9 @@ static CastStatus read_output(YamlNode output, ReduceConfig *config, CastError *
   if (!ends_with(name, ".rom.h5")) yaml_problem(file, "'%s': a name that ends in '.rom.h5' is expected", name);
   config->rom_path = config_resolve_path(config->input_path, name);
   CAST_CHECK(config->rom_path, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
+  config->reduction.scratch = config_array(strlen(config->rom_path) + sizeof ".shifts", 1);
+  CAST_CHECK(config->reduction.scratch, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
+  sprintf(config->reduction.scratch, "%s.shifts", config->rom_path);
   return CAST_OK;
 }
 
@@ -178,6 +181,7 @@ void reduce_config_destroy(ReduceConfig **config)
   free(old->boundary);
   free(old->cavity);
   free(old->reduction.shifts);
+  free(old->reduction.scratch);
   config_matrices_destroy(&old->matrices);
   free(old->title);
   free(old->geometry_path);

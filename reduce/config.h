@@ -53,6 +53,8 @@ typedef struct GroupConfig { // names for a geometry that has none (STEP): entit
 
 typedef enum ReductionMethod { REDUCTION_RATIONAL, REDUCTION_ARNOLDI, REDUCTION_MODAL } ReductionMethod;
 
+typedef enum ReductionBasis { BASIS_AUTOMATIC, BASIS_MEMORY, BASIS_DISK } ReductionBasis;
+
 typedef struct ReductionConfig {
   ReductionMethod method;
   double t_start, t_end; // s
@@ -67,6 +69,8 @@ typedef struct ReductionConfig {
   double early_weight;   // its p: 0 balanced truncation, with an a-priori bound; above 0 the early response counts more
   double solver_rtol;    // of iterative solves
   bool iterative;        // force CG + AMG; default: by size
+  ReductionBasis basis;  // rational: where its vectors are kept; automatic: by their size
+  char *scratch;         // folder for them, beside the ROM file; NULL (tests): in memory
 } ReductionConfig;
 
 typedef struct MatricesConfig { // a model that another program has assembled, as Matrix Market files

@@ -71,6 +71,7 @@ static CastStatus read_method(YamlNode reduction, ReductionConfig *config, CastE
 CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, CastError *err)
 {
   static const char *const solvers[] = {"automatic", "iterative", NULL};
+  static const char *const bases[] = {"automatic", "memory", "disk", NULL};
   config->method = (ReductionMethod)yaml_choice(yaml_get(reduction, "method"), METHODS, REDUCTION_RATIONAL);
   read_times(yaml_require(reduction, "times"), config);
   config->tolerance = yaml_quantity(yaml_get(reduction, "tolerance"), "1", (YamlRange){0.0, 1.0, true}, 1e-3);
@@ -83,5 +84,8 @@ CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, Ca
   // moments build on one another and must be exact; a basis need only be much better than the model made of it
   const double rtol = config->method == REDUCTION_ARNOLDI ? 1e-12 : 1e-2 * config->tolerance;
   config->solver_rtol = yaml_quantity(yaml_get(reduction, "solver_tolerance"), "1", (YamlRange){0.0, 0.1, true}, rtol);
+  const YamlNode basis = yaml_get(reduction, "basis");
+  if (config->method != REDUCTION_RATIONAL) refuse(basis, METHODS[config->method]);
+  config->basis = (ReductionBasis)yaml_choice(basis, bases, BASIS_AUTOMATIC);
   return read_method(reduction, config, err);
 }

@@ -98,6 +98,11 @@ static void print_reduction(const ReductionConfig *reduction, FILE *out)
   if (reduction->second_stage) fprintf(out, "reduction.second_stage_weight  %g\n", reduction->early_weight);
   fprintf(out, "reduction.solver        %s, tolerance %g where it iterates\n",
           reduction->iterative ? "iterative" : "automatic", reduction->solver_rtol);
+  if (reduction->method == REDUCTION_RATIONAL)
+    fprintf(out, "reduction.basis         %s\n",
+            reduction->basis == BASIS_MEMORY ? "memory"
+            : reduction->basis == BASIS_DISK ? "disk"
+                                             : "in memory up to 4 GB, else on disk");
 }
 
 void reduce_config_print(const ReduceConfig *config, FILE *out)

@@ -40,31 +40,41 @@ static PetscErrorCode add_constant(KrylovBasis *basis)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode set_problem(const ThermalSystem *system, Mat ports, PetscReal deflation, KrylovBasis *basis)
+{
+  Vec ones;
+
+  PetscFunctionBeginUser;
+  basis->system = system;
+  basis->ports = ports;
+  PetscCall(MatGetSize(ports, NULL, &basis->p));
+  basis->deflation = deflation;
+  PetscCall(MatCreateVecs(system->E, &ones, &basis->E_one));
+  PetscCall(VecDuplicate(basis->E_one, &basis->K_one));
+  PetscCall(VecSet(ones, 1.0));
+  PetscCall(MatMult(system->E, ones, basis->E_one));
+  PetscCall(MatMult(system->K, ones, basis->K_one));
+  PetscCall(VecDestroy(&ones));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode krylov_basis_create(const ThermalSystem *system, Mat ports, PetscInt capacity, PetscInt width,
                                    PetscReal deflation, KrylovBasis **out)
 {
   KrylovBasis *basis;
-  Vec ones;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&basis));
   *out = basis;
-  basis->system = system;
+  PetscCall(set_problem(system, ports, deflation, basis));
   basis->capacity = PetscMax(capacity, 1);
-  basis->ports = ports;
-  PetscCall(MatGetSize(ports, NULL, &basis->p));
   basis->width = width;
-  basis->deflation = deflation;
   PetscCall(create_bv(system, basis->capacity, &basis->V));
   PetscCall(create_bv(system, basis->width, &basis->W));
   PetscCall(dense_block_create(system->E, basis->width, &basis->work));
   PetscCall(PetscCalloc3((size_t)basis->capacity * (size_t)basis->capacity, &basis->K,
                          (size_t)basis->capacity * (size_t)basis->p, &basis->inputs, (size_t)basis->capacity,
                          &basis->constant));
-  PetscCall(MatCreateVecs(system->E, &ones, &basis->E_one));
-  PetscCall(VecSet(ones, 1.0));
-  PetscCall(MatMult(system->E, ones, basis->E_one));
-  PetscCall(VecDestroy(&ones));
   PetscCall(add_constant(basis));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -78,6 +88,101 @@ PetscErrorCode krylov_basis_get_block(KrylovBasis *basis, PetscInt k, Mat *X)
   PetscCall(BVGetMat(basis->W, X));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- in blocks ---- */
+
+PetscErrorCode krylov_basis_create_stored(const ThermalSystem *system, Mat ports, const char *folder,
+                                          const char *signature, PetscReal deflation, KrylovBasis **out)
+{
+  KrylovBasis *basis;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscNew(&basis));
+  *out = basis;
+  PetscCall(set_problem(system, ports, deflation, basis));
+  PetscCall(shift_blocks_create(system->E, basis->p, folder, signature, &basis->blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode krylov_basis_project_stored(KrylovBasis *basis)
+{
+  LoewnerModel *raw;
+  PetscReal capacity, losses;
+
+  PetscFunctionBeginUser;
+  PetscCall(loewner_destroy(&basis->raw));
+  PetscCall(VecSum(basis->E_one, &capacity));
+  PetscCall(VecSum(basis->K_one, &losses));
+  PetscCall(loewner_project(basis->blocks, capacity, losses, basis->deflation, &basis->raw));
+  raw = basis->raw;
+  basis->r = basis->capacity = raw->r;
+  PetscCall(PetscFree3(basis->K, basis->inputs, basis->constant));
+  PetscCall(PetscMalloc3((size_t)raw->r * (size_t)raw->r, &basis->K, (size_t)raw->r * (size_t)raw->p, &basis->inputs,
+                         (size_t)raw->r, &basis->constant));
+  PetscCall(PetscArraycpy(basis->K, raw->K, (size_t)raw->r * (size_t)raw->r));
+  PetscCall(PetscArraycpy(basis->inputs, raw->inputs, (size_t)raw->r * (size_t)raw->p));
+  PetscCall(PetscArraycpy(basis->constant, raw->constant, (size_t)raw->r));
+  PetscCall(PetscFree(raw->K)); // they live in the basis now
+  PetscCall(PetscFree(raw->inputs));
+  PetscCall(PetscFree(raw->constant));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Y = [1, X_1, ..] (T Q) */
+static PetscErrorCode stored_combine(const KrylovBasis *basis, const PetscReal *Q, Mat Y)
+{
+  const PetscInt n_raw = basis->raw->n_raw, p = basis->p;
+  PetscInt k;
+  PetscReal *TQ;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(Y, NULL, &k));
+  PetscCall(PetscMalloc1((size_t)n_raw * (size_t)k, &TQ));
+  PetscCall(small_multiply('N', 'N', n_raw, k, basis->r, 1.0, basis->raw->T, Q, 0.0, TQ));
+  for (PetscInt c = 0; c < k; c++) {
+    Vec column;
+    PetscCall(MatDenseGetColumnVecWrite(Y, c, &column));
+    PetscCall(VecSet(column, TQ[(size_t)c * (size_t)n_raw]));
+    PetscCall(MatDenseRestoreColumnVecWrite(Y, c, &column));
+  }
+  for (PetscInt i = 0; i < basis->blocks->n; i++) {
+    Mat X;
+    PetscCall(shift_blocks_get(basis->blocks, i, &X));
+    PetscCall(dense_block_combine(Y, 1.0, 1.0, X, TQ + 1 + i * p, n_raw));
+  }
+  PetscCall(PetscFree(TQ));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* (Y^T [1, X_1, ..]) T */
+static PetscErrorCode stored_inner(const KrylovBasis *basis, Mat Y, PetscReal *G)
+{
+  const PetscInt n_raw = basis->raw->n_raw, p = basis->p;
+  PetscInt k;
+  PetscReal *of_raw;
+  Mat ones;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(Y, NULL, &k));
+  PetscCall(PetscMalloc1((size_t)n_raw * (size_t)k, &of_raw));
+  PetscCall(dense_block_create(basis->system->E, 1, &ones));
+  Vec column;
+  PetscCall(MatDenseGetColumnVecWrite(ones, 0, &column));
+  PetscCall(VecSet(column, 1.0));
+  PetscCall(MatDenseRestoreColumnVecWrite(ones, 0, &column));
+  PetscCall(dense_block_inner(Y, ones, of_raw));
+  PetscCall(MatDestroy(&ones));
+  for (PetscInt i = 0; i < basis->blocks->n; i++) {
+    Mat X;
+    PetscCall(shift_blocks_get(basis->blocks, i, &X));
+    PetscCall(dense_block_inner(Y, X, of_raw + (size_t)k * (size_t)(1 + i * p)));
+  }
+  PetscCall(small_multiply('N', 'N', k, basis->r, n_raw, 1.0, of_raw, basis->raw->T, 0.0, G));
+  PetscCall(PetscFree(of_raw));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- in vectors ---- */
 
 /* Room for `kept` more vectors. */
 static PetscErrorCode reserve(KrylovBasis *basis, PetscInt kept)
@@ -243,6 +348,65 @@ PetscErrorCode krylov_basis_add(KrylovBasis *basis, Mat *X, PetscInt *kept)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode krylov_basis_combine(const KrylovBasis *basis, const PetscReal *Q, Mat Y)
+{
+  Mat V;
+
+  PetscFunctionBeginUser;
+  if (basis->blocks) {
+    PetscCall(stored_combine(basis, Q, Y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
+  PetscCall(BVGetMat(basis->V, &V));
+  PetscCall(dense_block_combine(Y, 0.0, 1.0, V, Q, basis->r));
+  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode krylov_basis_inner(const KrylovBasis *basis, Mat Y, PetscReal *G)
+{
+  Mat V;
+
+  PetscFunctionBeginUser;
+  if (basis->blocks) {
+    PetscCall(stored_inner(basis, Y, G));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
+  PetscCall(BVGetMat(basis->V, &V));
+  PetscCall(dense_block_inner(Y, V, G));
+  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode krylov_basis_take(KrylovBasis *basis, PetscInt k, const PetscReal *Q, BV *taken)
+{
+  Mat of_small, V;
+  PetscScalar *to;
+
+  PetscFunctionBeginUser;
+  if (basis->blocks) {
+    PetscCall(create_bv(basis->system, k, taken));
+    PetscCall(BVSetActiveColumns(*taken, 0, k));
+    PetscCall(BVGetMat(*taken, &V));
+    PetscCall(stored_combine(basis, Q, V));
+    PetscCall(BVRestoreMat(*taken, &V));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, basis->r, k, NULL, &of_small));
+  PetscCall(MatDenseGetArray(of_small, &to));
+  PetscCall(PetscArraycpy(to, Q, (size_t)basis->r * (size_t)k));
+  PetscCall(MatDenseRestoreArray(of_small, &to));
+  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
+  PetscCall(BVMultInPlace(basis->V, of_small, 0, k));
+  PetscCall(BVSetActiveColumns(basis->V, 0, k));
+  PetscCall(MatDestroy(&of_small));
+  *taken = basis->V;
+  basis->V = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode krylov_basis_destroy(KrylovBasis **basis)
 {
   PetscFunctionBeginUser;
@@ -251,6 +415,9 @@ PetscErrorCode krylov_basis_destroy(KrylovBasis **basis)
   PetscCall(BVDestroy(&(*basis)->W));
   PetscCall(MatDestroy(&(*basis)->work));
   PetscCall(VecDestroy(&(*basis)->E_one));
+  PetscCall(VecDestroy(&(*basis)->K_one));
+  PetscCall(loewner_destroy(&(*basis)->raw));
+  PetscCall(shift_blocks_destroy(&(*basis)->blocks, PETSC_TRUE));
   PetscCall(PetscFree3((*basis)->K, (*basis)->inputs, (*basis)->constant));
   PetscCall(PetscFree(*basis));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,26 +20,6 @@ static PetscErrorCode check_config(const ThermalSystem *system, const ReductionC
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* V <- V Q, in place: the basis in modal form. */
-static PetscErrorCode hand_over_basis(KrylovBasis *basis, const ModalModel *modal, ReducedModel *model)
-{
-  Mat Q;
-  PetscScalar *to;
-
-  PetscFunctionBeginUser;
-  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, modal->n_basis, modal->r, NULL, &Q));
-  PetscCall(MatDenseGetArray(Q, &to));
-  PetscCall(PetscArraycpy(to, modal->Q, (size_t)modal->n_basis * (size_t)modal->r));
-  PetscCall(MatDenseRestoreArray(Q, &to));
-  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
-  PetscCall(BVMultInPlace(basis->V, Q, 0, modal->r));
-  PetscCall(BVSetActiveColumns(basis->V, 0, modal->r));
-  PetscCall(MatDestroy(&Q));
-  model->V = basis->V;
-  basis->V = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode hand_over_arrays(const Reduction *reduction, ReducedModel *model)
 {
   const ModalModel *modal = reduction->modal;
@@ -81,7 +61,7 @@ PetscErrorCode reduced_model_create(const ThermalSystem *system, const Reduction
   const double examined = log_wall_time();
   PetscCall(reduction_shorten(reduction));
   PetscCall(hand_over_arrays(reduction, model));
-  PetscCall(hand_over_basis(reduction->basis, reduction->modal, model));
+  PetscCall(krylov_basis_take(reduction->basis, reduction->modal->r, reduction->modal->Q, &model->V)); // in modal form
   const double reduced = log_wall_time();
   PetscCall(reduction_certify(reduction, model->V, &model->certificate));
   model->n_shifts = reduction->n_shifts;

@@ -8,19 +8,14 @@
 
 #include <math.h>
 
-#include "reduce/mor/shifts.h"
 #include "reduce/mor/dense_block.h"
 #include "reduce/mor/modes.h"
 #include "reduce/petsc_compat.h"
 
-enum {
-  MOST_ADDED_SHIFTS = 12,
-  EXPECTED_STEPS = 20 // of the reference in one window
-};
-
 static const PetscReal REFERENCE_SHARE = 0.01;  // of the tolerance: the reference's own error
 static const PetscReal FIRST_STAGE_SHARE = 0.6; // of the tolerance, where a second stage follows
 static const PetscReal MODES_RTOL = 1e-11;      // what shift-and-invert Lanczos needs inside
+static const PetscReal STORED_RTOL = 1e-12;     // moments build on one another
 static const PetscReal POLE_REACH = 2.2;        // a shift within this ratio of a window's pole serves it
 
 PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log, Reduction **out)
@@ -35,12 +30,13 @@ PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConf
   reduction->log = log;
   PetscCall(ports_create(system, &reduction->ports, &reduction->ambient_sum));
   PetscCall(MatGetSize(reduction->ports, NULL, &reduction->p));
-  PetscCall(shifted_solver_create(system, config->solver_rtol, (PetscBool)config->iterative, &reduction->solver));
+  reduction->rtol = reduction_is_stored(reduction) ? PetscMin(config->solver_rtol, STORED_RTOL) : config->solver_rtol;
+  PetscCall(shifted_solver_create(system, reduction->rtol, (PetscBool)config->iterative, &reduction->solver));
   PetscCall(step_reference_create(system, reduction->ports, config->t_start, config->t_end, &reduction->reference));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode record_shift(Reduction *reduction, PetscReal s)
+PetscErrorCode reduction_record_shift(Reduction *reduction, PetscReal s)
 {
   PetscFunctionBeginUser;
   PetscCall(PetscRealloc((size_t)(reduction->n_shifts + 1) * sizeof(PetscReal), &reduction->shifts));
@@ -49,31 +45,32 @@ static PetscErrorCode record_shift(Reduction *reduction, PetscReal s)
 }
 
 /* The reference's windows that the solver's present shift serves; every_one: whatever the shift. */
-static PetscErrorCode solve_windows(Reduction *reduction, PetscBool rest)
+PetscErrorCode reduction_solve_windows(Reduction *reduction, PetscBool rest)
 {
   StepReference *reference = reduction->reference;
   const ReductionConfig *config = reduction->config;
   const double start = log_wall_time();
 
   PetscFunctionBeginUser;
-  shifted_solver_set_tolerance(reduction->solver, PetscMin(config->solver_rtol, 1e-3 * config->tolerance));
+  shifted_solver_set_tolerance(reduction->solver, PetscMin(reduction->rtol, 1e-3 * config->tolerance));
   for (PetscInt w = 0; w < reference->n_windows; w++) {
     if (reference->done[w]) continue;
     if (rest)
-      PetscCall(shifted_solver_set_shift(reduction->solver, reference->pole[w], EXPECTED_STEPS * reference->n_inputs));
+      PetscCall(shifted_solver_set_shift(reduction->solver, reference->pole[w],
+                                         REDUCTION_EXPECTED_STEPS * reference->n_inputs));
     const PetscReal s = shifted_solver_get_shift(reduction->solver), ratio = reference->pole[w] / s;
     if (s <= 0.0 || ratio > POLE_REACH || ratio < 1.0 / POLE_REACH) continue;
     PetscCall(
         step_reference_solve(reference, reduction->system, reduction->solver, w, REFERENCE_SHARE * config->tolerance));
   }
-  shifted_solver_set_tolerance(reduction->solver, config->solver_rtol);
+  shifted_solver_set_tolerance(reduction->solver, reduction->rtol);
   if (rest) PetscCall(step_reference_finish(reference));
   reduction->seconds_reference += log_wall_time() - start;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* H(s) of the sampled patches, from the solves of the reduction itself. */
-static PetscErrorCode keep_moments(Reduction *reduction, Mat X)
+PetscErrorCode reduction_keep_moments(Reduction *reduction, Mat X)
 {
   const StepReference *reference = reduction->reference;
   Mat sampled;
@@ -152,9 +149,9 @@ static PetscErrorCode take_shift(Reduction *reduction, PetscReal s, PetscInt mom
   Mat X;
 
   PetscFunctionBeginUser;
-  PetscCall(shifted_solver_set_shift(reduction->solver, s,
-                                     moments * reduction->p + EXPECTED_STEPS * reduction->reference->n_inputs));
-  PetscCall(record_shift(reduction, s));
+  PetscCall(shifted_solver_set_shift(
+      reduction->solver, s, moments * reduction->p + REDUCTION_EXPECTED_STEPS * reduction->reference->n_inputs));
+  PetscCall(reduction_record_shift(reduction, s));
   for (PetscInt k = 0; k < moments && kept > 0; k++) {
     const double begin = log_wall_time();
     PetscCall(krylov_basis_get_block(basis, kept, &X));
@@ -162,7 +159,7 @@ static PetscErrorCode take_shift(Reduction *reduction, PetscReal s, PetscInt mom
       PetscCall(first_krylov_block(reduction, X));
     else
       PetscCall(next_krylov_block(reduction, kept, X));
-    if (k == 0 && reduction->config->method == REDUCTION_RATIONAL) PetscCall(keep_moments(reduction, X));
+    if (k == 0 && reduction->config->method == REDUCTION_RATIONAL) PetscCall(reduction_keep_moments(reduction, X));
     solving += log_wall_time() - begin;
     PetscCall(krylov_basis_add(basis, &X, &kept));
   }
@@ -173,7 +170,7 @@ static PetscErrorCode take_shift(Reduction *reduction, PetscReal s, PetscInt mom
 }
 
 /* Modal form of the basis as it stands, and its error. */
-static PetscErrorCode judge(Reduction *reduction, PetscReal *error)
+PetscErrorCode reduction_judge(Reduction *reduction, PetscReal *error)
 {
   const KrylovBasis *basis = reduction->basis;
 
@@ -186,7 +183,7 @@ static PetscErrorCode judge(Reduction *reduction, PetscReal *error)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscReal first_stage_target(const ReductionConfig *config)
+PetscReal reduction_first_stage_target(const ReductionConfig *config)
 {
   return config->tolerance * (config->second_stage ? FIRST_STAGE_SHARE : 1.0);
 }
@@ -198,16 +195,29 @@ static PetscErrorCode add_shifts(Reduction *reduction)
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((size_t)reference->n_times, &error));
-  PetscCall(judge(reduction, error));
-  for (PetscInt added = 0; reduction->step_error > first_stage_target(reduction->config); added++) {
-    if (reduction->config->n_shifts > 0 || added == MOST_ADDED_SHIFTS) break; // the user's own shifts stand as they are
+  PetscCall(reduction_judge(reduction, error));
+  for (PetscInt added = 0; reduction->step_error > reduction_first_stage_target(reduction->config); added++) {
+    if (reduction->config->n_shifts > 0 || added == REDUCTION_MOST_ADDED_SHIFTS)
+      break; // the user's own shifts stand as they are
     PetscCall(shifts_suggest(reduction->n_shifts, reduction->shifts, reference->n_times, reference->time, error, &s));
     log_info(reduction->log, "step responses: error %.2e of the rise, %.2e is needed: one more shift at %.3g 1/s",
-             (double)reduction->step_error, (double)first_stage_target(reduction->config), (double)s);
+             (double)reduction->step_error, (double)reduction_first_stage_target(reduction->config), (double)s);
     PetscCall(take_shift(reduction, s, 1));
-    PetscCall(judge(reduction, error));
+    PetscCall(reduction_judge(reduction, error));
   }
   PetscCall(PetscFree(error));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode reduction_plan_shifts(const Reduction *reduction, ShiftPlan *plan)
+{
+  const ReductionConfig *config = reduction->config;
+
+  PetscFunctionBeginUser;
+  if (config->n_shifts > 0)
+    PetscCall(shifts_plan_given((PetscInt)config->n_shifts, config->shifts, plan));
+  else
+    PetscCall(shifts_plan(config->t_start, config->t_end, reduction_first_stage_target(config), plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -219,10 +229,11 @@ PetscErrorCode reduction_run_rational(Reduction *reduction)
   ShiftPlan plan;
 
   PetscFunctionBeginUser;
-  if (config->n_shifts > 0)
-    PetscCall(shifts_plan_given((PetscInt)config->n_shifts, config->shifts, &plan));
-  else
-    PetscCall(shifts_plan(config->t_start, config->t_end, first_stage_target(config), &plan));
+  if (reduction_is_stored(reduction)) {
+    PetscCall(reduction_run_stored(reduction));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(reduction_plan_shifts(reduction, &plan));
   for (PetscInt i = 0; i < plan.n; i++) vectors += plan.moments[i];
   reduction->moments_per_shift = plan.moments[0];
   log_info(reduction->log,
@@ -234,10 +245,10 @@ PetscErrorCode reduction_run_rational(Reduction *reduction)
                                 config->deflation, &reduction->basis));
   for (PetscInt i = 0; i < plan.n; i++) {
     PetscCall(take_shift(reduction, plan.shift[i], plan.moments[i]));
-    PetscCall(solve_windows(reduction, PETSC_FALSE));
+    PetscCall(reduction_solve_windows(reduction, PETSC_FALSE));
   }
   PetscCall(shifts_plan_destroy(&plan));
-  PetscCall(solve_windows(reduction, PETSC_TRUE));
+  PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
   PetscCall(add_shifts(reduction));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -257,8 +268,8 @@ PetscErrorCode reduction_run_arnoldi(Reduction *reduction)
   PetscCall(moments_create(reduction->reference->n_inputs, reduction->p, &reduction->moments));
   PetscCall(moments_compute(reduction->moments, reduction->system, reduction->solver, reduction->ports,
                             reduction->reference->F, q));
-  PetscCall(solve_windows(reduction, PETSC_TRUE));
-  PetscCall(judge(reduction, NULL));
+  PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
+  PetscCall(reduction_judge(reduction, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -275,12 +286,12 @@ PetscErrorCode reduction_run_modal(Reduction *reduction)
                                 config->deflation, &reduction->basis));
   shifted_solver_set_tolerance(reduction->solver, MODES_RTOL);
   PetscCall(modes_add(reduction->basis, reduction->solver, 1.0 / config->t_end, k));
-  shifted_solver_set_tolerance(reduction->solver, config->solver_rtol);
+  shifted_solver_set_tolerance(reduction->solver, reduction->rtol);
   log_info(reduction->log, "%d modes and the constant; %.1f s (%s)", (int)k, log_wall_time() - start,
            shifted_solver_get_name(reduction->solver));
   PetscCall(moments_create(reduction->reference->n_inputs, reduction->p, &reduction->moments)); // none are matched
-  PetscCall(solve_windows(reduction, PETSC_TRUE));
-  PetscCall(judge(reduction, NULL));
+  PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
+  PetscCall(reduction_judge(reduction, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -9,6 +9,7 @@
 #include "reduce/mor/ports.h"
 #include "reduce/mor/reduced_model.h"
 #include "reduce/mor/shifted_solver.h"
+#include "reduce/mor/shifts.h"
 #include "reduce/mor/step_reference.h"
 
 typedef struct Reduction {
@@ -19,6 +20,7 @@ typedef struct Reduction {
   PetscInt p;
   PetscReal ambient_sum; // W/K, of the ambient column; 0: none
   ShiftedSolver *solver;
+  PetscReal rtol; // of the basis' solves
   KrylovBasis *basis;
   StepReference *reference;
   Moments *moments;
@@ -40,6 +42,18 @@ PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConf
 PetscErrorCode reduction_run_arnoldi(Reduction *reduction);
 /* One block of solves at each of several real shifts, and more shifts until the step responses meet the tolerance. */
 PetscErrorCode reduction_run_rational(Reduction *reduction);
+/* The same with the vectors kept in blocks, for more inputs than fit in memory. */
+PetscErrorCode reduction_run_stored(Reduction *reduction);
+/* Is there reason to? The input says so, or the vectors would take too much memory. */
+PetscBool reduction_is_stored(const Reduction *reduction);
+/* What reduction_run_* share. */
+PetscErrorCode reduction_plan_shifts(const Reduction *reduction, ShiftPlan *plan);
+PetscErrorCode reduction_record_shift(Reduction *reduction, PetscReal s);
+PetscErrorCode reduction_keep_moments(Reduction *reduction, Mat X);
+PetscErrorCode reduction_solve_windows(Reduction *reduction, PetscBool rest);
+PetscErrorCode reduction_judge(Reduction *reduction, PetscReal *error);
+PetscReal reduction_first_stage_target(const ReductionConfig *config);
+enum { REDUCTION_EXPECTED_STEPS = 20, REDUCTION_MOST_ADDED_SHIFTS = 12 }; // of the reference in one window
 /* The slowest modes, without regard to where heat enters. */
 PetscErrorCode reduction_run_modal(Reduction *reduction);
 /* Once the basis is complete, and before it goes: the full model's part of the certificate. */

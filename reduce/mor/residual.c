@@ -40,7 +40,7 @@ static PetscErrorCode subtract(Mat Y, Mat X)
 }
 
 /* R_0 = ports - E V B_r */
-static PetscErrorCode constant_factor(Residual *residual, const KrylovBasis *basis, Mat V)
+static PetscErrorCode constant_factor(Residual *residual, const KrylovBasis *basis)
 {
   const PetscInt p = residual->p, r = residual->r;
   Mat projected, product;
@@ -53,7 +53,7 @@ static PetscErrorCode constant_factor(Residual *residual, const KrylovBasis *bas
   PetscCall(dense_block_create(residual->system->E, p, &projected));
   PetscCall(dense_block_create(residual->system->E, p, &product));
   PetscCall(dense_block_create(residual->system->E, p, &residual->R0));
-  PetscCall(dense_block_combine(projected, 0.0, 1.0, V, inputs, r));
+  PetscCall(krylov_basis_combine(basis, inputs, projected));
   PetscCall(dense_block_multiply(residual->system->E, projected, product));
   PetscCall(dense_block_copy(residual->R0, 0, basis->ports, NULL, p));
   PetscCall(subtract(residual->R0, product));
@@ -89,7 +89,7 @@ static PetscErrorCode solve_small(MPI_Comm comm, PetscInt n, PetscInt k, PetscRe
 
 /* c^T from K V - E V K_r = R_0 c^T by least squares with the weight diag(E)^-1: W = diag(E)^-1 R_0,
  * (W^T R_0) c^T = (K W)^T V - (E W)^T V K_r. */
-static PetscErrorCode coupling(Residual *residual, const KrylovBasis *basis, const ModalModel *model, Mat V)
+static PetscErrorCode coupling(Residual *residual, const KrylovBasis *basis, const ModalModel *model)
 {
   const ThermalSystem *system = residual->system;
   const PetscInt p = residual->p, r = residual->r;
@@ -106,9 +106,9 @@ static PetscErrorCode coupling(Residual *residual, const KrylovBasis *basis, con
   PetscCall(divide_by_diagonal(system, W));
   PetscCall(dense_block_inner(W, residual->R0, gram));
   PetscCall(dense_block_multiply(system->K, W, product));
-  PetscCall(dense_block_inner(product, V, right));
+  PetscCall(krylov_basis_inner(basis, product, right));
   PetscCall(dense_block_multiply(system->E, W, product));
-  PetscCall(dense_block_inner(product, V, of_E));
+  PetscCall(krylov_basis_inner(basis, product, of_E));
   for (PetscInt j = 0; j < r; j++)
     PetscCall(PetscArraycpy(K + (size_t)j * (size_t)r, basis->K + (size_t)j * (size_t)basis->capacity, (size_t)r));
   PetscCall(small_multiply('N', 'N', p, r, r, -1.0, of_E, K, 1.0, right));
@@ -123,7 +123,6 @@ static PetscErrorCode coupling(Residual *residual, const KrylovBasis *basis, con
 PetscErrorCode residual_create(const KrylovBasis *basis, const ModalModel *model, Residual **out)
 {
   Residual *residual;
-  Mat V;
 
   PetscFunctionBeginUser;
   PetscCall(PetscNew(&residual));
@@ -132,11 +131,8 @@ PetscErrorCode residual_create(const KrylovBasis *basis, const ModalModel *model
   residual->p = basis->p;
   residual->r = basis->r;
   PetscCall(PetscMalloc1((size_t)basis->r * (size_t)basis->p, &residual->c));
-  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
-  PetscCall(BVGetMat(basis->V, &V));
-  PetscCall(constant_factor(residual, basis, V));
-  PetscCall(coupling(residual, basis, model, V));
-  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscCall(constant_factor(residual, basis));
+  PetscCall(coupling(residual, basis, model));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -220,19 +216,17 @@ static PetscErrorCode applied(const Residual *residual, const KrylovBasis *basis
 {
   const ThermalSystem *system = residual->system;
   const PetscInt p = residual->p, r = residual->r;
-  Mat V, Vx, product;
+  Mat Vx, product;
   PetscReal *x, *Qx, *factor;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc3((size_t)r * (size_t)p, &x, (size_t)r * (size_t)p, &Qx, (size_t)p, &factor));
   PetscCall(dense_block_create(system->E, p, &Vx));
   PetscCall(dense_block_create(system->E, p, &product));
-  PetscCall(BVSetActiveColumns(basis->V, 0, r));
-  PetscCall(BVGetMat(basis->V, &V));
   for (int part = 0; part < 2; part++) {
     modal_state(model, w, part, x);
     PetscCall(small_multiply('N', 'T', r, p, r, 1.0, model->Q, x, 0.0, Qx));
-    PetscCall(dense_block_combine(Vx, 0.0, 1.0, V, Qx, r));
+    PetscCall(krylov_basis_combine(basis, Qx, Vx));
     PetscCall(dense_block_multiply(system->K, Vx, product));
     for (PetscInt c = 0; c < p; c++) factor[c] = 1.0;
     PetscCall(dense_block_axpby(of[part], 1.0, factor, product));
@@ -240,7 +234,6 @@ static PetscErrorCode applied(const Residual *residual, const KrylovBasis *basis
     for (PetscInt c = 0; c < p; c++) factor[c] = part == 0 ? w : -w;
     PetscCall(dense_block_axpby(of[1 - part], 1.0, factor, product));
   }
-  PetscCall(BVRestoreMat(basis->V, &V));
   PetscCall(MatDestroy(&Vx));
   PetscCall(MatDestroy(&product));
   PetscCall(PetscFree3(x, Qx, factor));

@@ -1,0 +1,199 @@
+/* The reduction whose vectors are kept in blocks, against the one with an orthonormal basis in memory. */
+#include "tests/support/petsc_test.h"
+
+#include <math.h>
+#include <slepcsys.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "reduce/mor/dense_block.h"
+#include "reduce/mor/shift_blocks.h"
+#include "reduce/petsc_compat.h"
+#include "tests/support/mould_case.h"
+
+static BoxMould small_box(double h)
+{
+  return (BoxMould){.size = {0.009, 0.006, 0.012},
+                    .cells = {6, 4, 8},
+                    .grading = 2.0,
+                    .patches = {3, 2},
+                    .h_sides = h,
+                    .h_top = 2.0 * h,
+                    .kappa = {1.0},
+                    .rho = {1800.0},
+                    .c = {1100.0}};
+}
+
+/* Largest difference of the step responses of every patch over the largest rise. */
+static double difference(const ReducedModel *a, const ReducedModel *b)
+{
+  enum { MOST = 16 };
+  double worst = 0.0, of_a[MOST], of_b[MOST];
+  assert_true(a->m == b->m && a->m <= MOST);
+  for (PetscInt j = 0; j < a->m; j++)
+    for (double t = 1e-3; t < 101.0; t *= 10.0) {
+      double rise = 0.0, apart = 0.0;
+      reduced_step_response(a, j, t, of_a);
+      reduced_step_response(b, j, t, of_b);
+      for (PetscInt l = 0; l < a->m; l++) {
+        rise = fmax(rise, fabs(of_a[l]));
+        apart = fmax(apart, fabs(of_a[l] - of_b[l]));
+      }
+      worst = fmax(worst, apart / rise);
+    }
+  return worst;
+}
+
+static void check_against_memory(double h, bool second_stage)
+{
+  const BoxMould box = small_box(h);
+  ReductionConfig config = rational_config();
+  MouldCase mould;
+  ReducedModel *memory, *stored;
+  config.second_stage = second_stage;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
+  config.basis = BASIS_MEMORY;
+  TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &memory));
+  config.basis = BASIS_DISK;
+  TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &stored));
+  /* The same space but for directions below 0.03 of the tolerance; a second stage may choose another order. */
+  assert_true(difference(memory, stored) < (second_stage ? 2e-3 : 3e-5));
+  assert_true(stored->certificate.met);
+  assert_true(stored->certificate.orthogonality < 1e-3); // only the weakest directions lose digits
+  for (size_t i = 0; i < stored->certificate.n_frequencies; i++)
+    assert_true(stored->certificate.transfer_bound[i] < 3.0 * memory->certificate.transfer_bound[i] + 1e-3);
+  for (PetscInt l = 0; l < stored->m; l++) {
+    double heat = 0.0;
+    for (PetscInt k = 0; k < stored->r; k++) heat += stored->constant[k] * stored->B[k * stored->m + l];
+    ASSERT_CLOSE(heat, 1.0, 1e-10); // 1 W in is 1 W stored, whatever the vectors have lost
+  }
+  TEST_PETSC(reduced_model_destroy(&memory));
+  TEST_PETSC(reduced_model_destroy(&stored));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+static void vectors_in_blocks_give_the_same_model(void **state)
+{
+  (void)state;
+  check_against_memory(15.0, false);
+  check_against_memory(15.0, true);
+}
+
+static void vectors_in_blocks_give_the_same_model_of_an_insulated_mould(void **state)
+{
+  (void)state;
+  check_against_memory(0.0, false);
+}
+
+/* The folder that all ranks use, empty. */
+static void choose_folder(char folder[64])
+{
+  PetscMPIInt rank;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  snprintf(folder, 64, "stored_XXXXXX");
+  if (rank == 0) assert_non_null(mkdtemp(folder));
+  MPI_Bcast(folder, 64, MPI_CHAR, 0, PETSC_COMM_WORLD);
+}
+
+static void a_folder_of_vectors_is_gone_after_the_reduction(void **state)
+{
+  (void)state;
+  const BoxMould box = small_box(15.0);
+  ReductionConfig config = rational_config();
+  MouldCase mould;
+  ReducedModel *in_memory, *on_disk;
+  char folder[64];
+  choose_folder(folder);
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
+  config.basis = BASIS_DISK;
+  TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &in_memory));
+  config.scratch = folder;
+  TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &on_disk));
+  assert_true(difference(in_memory, on_disk) < 1e-8);
+  MPI_Barrier(PETSC_COMM_WORLD);
+  assert_int_not_equal(access(folder, F_OK), 0);
+  TEST_PETSC(reduced_model_destroy(&in_memory));
+  TEST_PETSC(reduced_model_destroy(&on_disk));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+/* One complete shift of two blocks and a third block of one that is not. */
+static void store_some(const ThermalSystem *system, const char *folder)
+{
+  const size_t p = (size_t)system->m;
+  ShiftBlocks *blocks;
+  ShiftMoments shift = {.s = 0.25, .q = 2};
+  Mat X;
+  TEST_PETSC(shift_blocks_create(system->E, system->m, folder, "ours", &blocks));
+  TEST_PETSC(dense_block_create(system->E, system->m, &X));
+  TEST_PETSC(PetscMalloc1(4 * p * p, &shift.mu));
+  TEST_PETSC(PetscMalloc1(4 * p, &shift.heat));
+  for (size_t i = 0; i < 4 * p * p; i++) shift.mu[i] = 1.0 / (double)(i + 3);
+  for (size_t i = 0; i < 4 * p; i++) shift.heat[i] = (double)i;
+  for (int k = 0; k < 3; k++) {
+    TEST_PETSC(dense_block_copy(X, 0, system->B, NULL, system->m));
+    TEST_PETSC(MatScale(X, 1.0 + k));
+    TEST_PETSC(shift_blocks_add(blocks, X));
+    if (k == 1) TEST_PETSC(shift_blocks_complete(blocks, &shift));
+  }
+  TEST_PETSC(MatDestroy(&X));
+  TEST_PETSC(shift_blocks_destroy(&blocks, PETSC_FALSE));
+}
+
+static void shifts_that_were_complete_survive_an_interruption(void **state)
+{
+  (void)state;
+  const BoxMould box = small_box(15.0);
+  MouldCase mould;
+  ShiftBlocks *blocks;
+  Mat X, expected;
+  PetscReal apart;
+  char folder[64];
+  choose_folder(folder);
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
+  store_some(mould.system, folder);
+  TEST_PETSC(shift_blocks_create(mould.system->E, mould.system->m, folder, "ours", &blocks));
+  assert_int_equal(blocks->n_shifts, 1);
+  assert_int_equal(blocks->n, 2);
+  assert_true(blocks->shift[0].s == 0.25 && blocks->shift[0].q == 2);
+  assert_true(blocks->shift[0].mu[5] == 1.0 / 8.0 && blocks->shift[0].heat[7] == 7.0);
+  TEST_PETSC(shift_blocks_get(blocks, 1, &X));
+  TEST_PETSC(MatDuplicate(mould.system->B, MAT_COPY_VALUES, &expected));
+  TEST_PETSC(MatAXPY(expected, -0.5, X, SAME_NONZERO_PATTERN));
+  TEST_PETSC(MatNorm(expected, NORM_FROBENIUS, &apart));
+  assert_true(apart == 0.0);
+  TEST_PETSC(shift_blocks_destroy(&blocks, PETSC_FALSE));
+  TEST_PETSC(shift_blocks_create(mould.system->E, mould.system->m, folder, "another", &blocks));
+  assert_int_equal(blocks->n_shifts, 0); // of another problem: of no use
+  TEST_PETSC(shift_blocks_destroy(&blocks, PETSC_TRUE));
+  TEST_PETSC(MatDestroy(&expected));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+static void a_folder_that_cannot_be_made_is_named(void **state)
+{
+  (void)state;
+  const BoxMould box = small_box(15.0);
+  MouldCase mould;
+  ShiftBlocks *blocks;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
+  TEST_PETSC(PetscPushErrorHandler(PetscReturnErrorHandler, NULL));
+  assert_int_equal(shift_blocks_create(mould.system->E, mould.system->m, "/nowhere/at/all", "ours", &blocks),
+                   PETSC_ERR_FILE_WRITE);
+  TEST_PETSC(PetscPopErrorHandler());
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+int main(int argc, char **argv)
+{
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(vectors_in_blocks_give_the_same_model),
+      cmocka_unit_test(vectors_in_blocks_give_the_same_model_of_an_insulated_mould),
+      cmocka_unit_test(a_folder_of_vectors_is_gone_after_the_reduction),
+      cmocka_unit_test(shifts_that_were_complete_survive_an_interruption),
+      cmocka_unit_test(a_folder_that_cannot_be_made_is_named),
+  };
+  if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;
+  const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  return SlepcFinalize() ? 1 : failed;
+}
