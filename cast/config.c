@@ -130,10 +130,29 @@ static void read_sph(YamlNode node, CastConfig *config)
   config->cut_tension = yaml_choice(yaml_get(node, "negative_pressure"), TENSIONS, 0) == 1;
 }
 
+static void read_cool(YamlNode node, CastConfig *config)
+{
+  static const char *const STARTS[] = {"at-rest", "at-end", NULL}, *const STOPS[] = {"end", "solid", NULL};
+  CoolConfig *cool = &config->cool;
+  cool->wanted = yaml_exists(node);
+  if (!cool->wanted) return;
+  const YamlNode end = yaml_require(node, "end"), until = yaml_get(node, "until");
+  cool->end = yaml_quantity(end, "s", YAML_POSITIVE, NAN);
+  cool->at_end = yaml_choice(yaml_get(node, "begin"), STARTS, 0) == 1;
+  cool->until_solid = yaml_choice(until, STOPS, 0) == 1;
+  cool->tolerance = yaml_quantity(yaml_get(node, "tolerance"), "K", YAML_POSITIVE, 0.5);
+  cool->every = yaml_quantity(yaml_get(node, "every"), "s", YAML_POSITIVE, 0.05 * cool->end);
+  cool->curves_every = yaml_quantity(yaml_get(node, "curves_every"), "s", YAML_POSITIVE, 0.0);
+  if (cool->end <= config->end) yaml_problem(end, "%g s is not after the filling's end, %g s", cool->end, config->end);
+  if (cool->until_solid && isfinite(config->melt.density) && config->melt.solid_fraction.n == 0)
+    yaml_problem(until, "the melt '%s' has no solidus", config->melt.name);
+}
+
 static void read_time(YamlNode node, CastConfig *config)
 {
   static const char *const SCHEMES[] = {"exponential", "backward-euler", NULL};
   config->end = yaml_quantity(yaml_require(node, "end"), "s", YAML_POSITIVE, NAN);
+  read_cool(yaml_get(node, "cool"), config);
   config->step = read_auto(yaml_get(node, "step"), "s");
   config->scheme = (RomScheme)yaml_choice(yaml_get(node, "scheme"), SCHEMES, ROM_EXPONENTIAL);
 }

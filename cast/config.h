@@ -27,6 +27,15 @@ typedef struct OutputConfig {
   PointConfig *probe, *tracer;
 } OutputConfig;
 
+typedef struct CoolConfig { // the second stage: melt at rest
+  bool wanted;
+  bool at_end;                // begin at the end of the filling's time, not when the melt is at rest
+  bool until_solid;           // end when all melt is below the solidus, `end` at the latest
+  double end;                 // s
+  double tolerance;           // K
+  double every, curves_every; // s between frames and between rows; 0: a row each step
+} CoolConfig;
+
 typedef struct CastConfig {
   char *title;
   char *rom_path;          // resolved against the input file's folder
@@ -49,7 +58,8 @@ typedef struct CastConfig {
   SphDensity density;
   double density_diffusion, artificial_viscosity;
   bool cut_tension;
-  double end;  // s
+  double end;  // s, of the filling
+  CoolConfig cool;
   double step; // s; 0: from the limits of sph_time_step and of the exchange with the mould
   RomScheme scheme;
   size_t n_part;                 // cavity surfaces that make up the part; 0: not said

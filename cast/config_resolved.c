@@ -142,6 +142,15 @@ static void put_output(FILE *out, const OutputConfig *o)
   put_points(out, "tracers", "nearest", o->n_tracers, o->tracer);
 }
 
+static void put_cool(FILE *out, const CoolConfig *cool)
+{
+  if (!cool->wanted) return;
+  fprintf(out, "  cool:\n    end: %.17g s\n    begin: %s\n    until: %s\n    tolerance: %.17g K\n    every: %.17g s\n",
+          cool->end, cool->at_end ? "at-end" : "at-rest", cool->until_solid ? "solid" : "end", cool->tolerance,
+          cool->every);
+  if (cool->curves_every > 0.0) fprintf(out, "    curves_every: %.17g s\n", cool->curves_every);
+}
+
 static void put_config(FILE *out, const CastConfig *c, double sound_speed)
 {
   fputs("# The input as castrun understood it: SI, every default filled in.\ntitle: ", out);
@@ -160,6 +169,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
           c->coupling.mould_frozen ? "frozen" : "live");
   put_sph(out, c, sound_speed);
   fprintf(out, "time:\n  end: %.17g s\n", c->end);
+  put_cool(out, &c->cool);
   if (c->step > 0.0)
     fprintf(out, "  step: %.17g s\n", c->step);
   else

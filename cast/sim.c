@@ -53,6 +53,7 @@ void sim_destroy(Sim **sim)
   if (!sim || !*sim) return;
   Sim *s = *sim;
   sim_output_destroy(&s->output);
+  cool_destroy(&s->cool);
   filling_destroy(&s->filling);
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);
@@ -112,6 +113,7 @@ static CastStatus finish(Sim *sim, CastError *err)
   sim->counts.time += sim->counts.dt;
   sim->counts.steps += 1.0;
   sim->counts.particle_steps += (double)sim->particles.n_fluid;
+  sim_watch_rest(sim);
   return sim->rebuilt ? sim_remove_escaped(sim, err) : CAST_OK;
 }
 
@@ -159,6 +161,7 @@ static CastStatus say_when(const Sim *sim, CastStatus status, CastError *err)
 
 CastStatus sim_step(Sim *sim, CastError *err)
 {
+  if (sim->cool) return say_when(sim, sim_cool_step(sim, err), err);
   const CastStatus status = sim->under_way ? CAST_OK : first_half(sim, err);
   return say_when(sim, status == CAST_OK ? second_half(sim, err) : status, err);
 }
@@ -169,13 +172,19 @@ static void show_progress(const Sim *sim)
 {
   const SimCounts *n = &sim->counts;
   char note[160];
-  snprintf(note, sizeof note, "t = %.3f ms, dt = %.2f us, filled %.1f %%, %.2f million particle-steps/s", 1e3 * n->time,
+  if (sim->cool)
+    snprintf(note, sizeof note, "t = %.4g s, dt = %.3g s, %.1f %% solid", n->time, n->dt,
+             100.0 * sim_solid_part(sim, NULL));
+  else
+    snprintf(note, sizeof note, "t = %.3f ms, dt = %.2f us, filled %.1f %%, %.2f million particle-steps/s", 1e3 * n->time,
            1e6 * n->dt, 100.0 * sim_filled_fraction(sim), n->wall > 0.0 ? 1e-6 * n->particle_steps / n->wall : 0.0);
-  log_progress(sim->log, "casting", n->time / sim->config->end, note);
+  const double end = sim->cool ? sim_end(sim) : sim->config->end;
+  log_progress(sim->log, sim->cool ? "cooling" : "casting", n->time / end, note);
 }
 
 static bool at_end(const Sim *sim)
 {
+  if (sim->config->cool.wanted) return sim->cool && sim_cool_is_over(sim);
   return !sim->under_way && sim->counts.time >= sim->config->end * (1.0 - 1e-12);
 }
 
@@ -183,11 +192,15 @@ static CastStatus run_steps(Sim *sim, const volatile sig_atomic_t *stop, SimEnd 
 {
   double last_checkpoint = log_wall_time(), clock = last_checkpoint;
   while (!at_end(sim)) {
+    if (!sim->cool && !sim->under_way && sim_fill_is_over(sim)) CAST_CALL(sim_cool_begin(sim, err));
     const bool stopping = stop && *stop;
     const bool due = log_wall_time() - last_checkpoint > sim->config->output.checkpoint_every;
     if (sim->output && (stopping || due)) sim->checkpoint_wanted = true;
     const bool wanted = sim->checkpoint_wanted;
-    if (!sim->under_way) CAST_CALL(say_when(sim, first_half(sim, err), err));
+    if (sim->cool)
+      CAST_CALL(sim_cool_checkpoint(sim, err));
+    else if (!sim->under_way)
+      CAST_CALL(say_when(sim, first_half(sim, err), err));
     const bool written = wanted && !sim->checkpoint_wanted;
     if (written) last_checkpoint = log_wall_time();
     if (stopping && (written || !sim->output)) {

@@ -45,6 +45,8 @@ CastStatus sim_resume(const char *folder, Log *log, const char *command, CastCon
 void sim_request_checkpoint(Sim *sim);
 
 double sim_time(const Sim *sim);
+/* Why and when, s, the second stage began: "rest", "locked", "time"; "" and NAN: it has not. */
+const char *sim_switched(const Sim *sim, double *time);
 long sim_steps(const Sim *sim);
 const Particles *sim_particles(const Sim *sim);
 const RomState *sim_mould(const Sim *sim);

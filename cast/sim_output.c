@@ -55,13 +55,40 @@ CastStatus sim_output_record(Sim *sim, CastError *err)
   const double *power = NULL;
   if (out->wall_heat)
     CAST_CALL(wall_heat_power(out->wall_heat, sim->coupling, &sim->particles, sim->neighbours, &power, err));
-  return heat_recorder_add(out->recorder, sim->counts.time, sim->counts.dt, coupling_flow(sim->coupling), power, err);
+  CastStatus (*add)(HeatRecorder *, double, double, const double *, const double *, CastError *) =
+      sim->cool ? heat_recorder_add_interval : heat_recorder_add;
+  return add(out->recorder, sim->counts.time, sim->counts.dt, coupling_flow(sim->coupling), power, err);
 }
 
-/* The first multiple of `every` after t. */
+/* The first multiple of `every` after t; every 0: each step. */
 static double next_time(double t, double every)
 {
+  if (every == 0.0) return t * (1.0 + 1e-9); // after the next step, however short
   return every * (floor(t / every * (1.0 + 1e-12)) + 1.0);
+}
+
+static double frames_every(const Sim *sim)
+{
+  return sim->cool ? sim->config->cool.every : sim->config->output.every;
+}
+
+/* 0: each step has its row. */
+static double rows_every(const Sim *sim)
+{
+  return sim->cool ? sim->config->cool.curves_every : sim->config->output.curves_every;
+}
+
+CastStatus sim_output_stage(Sim *sim, CastError *err)
+{
+  SimOutput *out = sim->output;
+  if (!out) return CAST_OK;
+  if (!(out->last_frame == sim->counts.time)) {
+    CAST_CALL(write_rows(sim, err));
+    CAST_CALL(write_frame(sim, err));
+  }
+  out->next_row = next_time(sim->counts.time, rows_every(sim));
+  out->next_frame = next_time(sim->counts.time, frames_every(sim));
+  return CAST_OK;
 }
 
 CastStatus sim_output_due(Sim *sim, CastError *err)
@@ -72,11 +99,11 @@ CastStatus sim_output_due(Sim *sim, CastError *err)
   if (sim->under_way) return CAST_OK; // just resumed: the step is not finished
   if (t >= out->next_row) {
     CAST_CALL(write_rows(sim, err));
-    out->next_row = next_time(t, sim->config->output.curves_every);
+    out->next_row = next_time(t, rows_every(sim));
   }
   if (t >= out->next_frame) {
     CAST_CALL(write_frame(sim, err));
-    out->next_frame = next_time(t, sim->config->output.every);
+    out->next_frame = next_time(t, frames_every(sim));
   }
   sim->counts.seconds[PHASE_OUTPUT] += log_wall_time() - begun;
   return CAST_OK;

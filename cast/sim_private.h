@@ -2,10 +2,12 @@
  *   sim.c         life, the step, the run        sim_setup.c   melt, walls and lattice at the start
  *   sim_report.c  what is about to be computed   sim_output.c  what is written and when
  *   sim_curves.c  the CSV files                  sim_summary.c the account at the end
+ *   sim_cool.c    the second stage
  *   sim_resume.c  checkpoints                    sim_escape.c  melt that leaves, melt where none may be */
 #ifndef CAST_SIM_PRIVATE_H
 #define CAST_SIM_PRIVATE_H
 
+#include "cast/cool/cool.h"
 #include "cast/io/filling.h"
 #include "cast/io/provenance.h"
 #include "cast/sim.h"
@@ -16,10 +18,14 @@ typedef enum SimPhase {
   PHASE_RATES,      // sums over pairs
   PHASE_MOULD,      // exchange with the mould and its step
   PHASE_OUTPUT,
+  PHASE_COOL, // the second stage, but its output
   PHASE_COUNT
 } SimPhase;
 
 typedef struct SimOutput SimOutput; // sim_output.c
+
+enum { STAGE_FILL, STAGE_COOL };
+typedef enum SwitchReason { SWITCH_NONE, SWITCH_REST, SWITCH_LOCKED, SWITCH_TIME } SwitchReason;
 
 /* What a run counts; all doubles, so that a checkpoint keeps it as one array. */
 typedef struct SimCounts {
@@ -36,6 +42,10 @@ typedef struct SimCounts {
   double limited_by[5]; // steps set by sound, force, viscosity, conduction, the input
   double wall;          // s of wall time in the loop so far
   double seconds[PHASE_COUNT];
+  double stage;                        // STAGE_FILL or STAGE_COOL
+  double kinetic, kinetic_peak, quiet; // J, J, s: since when it is at rest (below zero: it is not)
+  double switched, reason, fill_wall;  // s, SwitchReason, s of wall time: when the second stage began
+  double cool[COOL_SIZE];              // what the second stage keeps
 } SimCounts;
 
 struct Sim {
@@ -53,6 +63,7 @@ struct Sim {
   Neighbours *neighbours;
   Coupling *coupling;
   Filling *filling;
+  Cool *cool; // NULL before the second stage
   SimCounts counts;
   bool rebuilt;   // the lists were made anew in the step in progress
   bool under_way; // positions and lists of the step in progress are done, the rest is not
@@ -83,6 +94,7 @@ void sim_curves_lengths(const SimCurves *curves, double length[SIM_CURVES]);
 
 /* sim_output.c */
 CastStatus sim_output_due(Sim *sim, CastError *err);    // what is due at the present time
+CastStatus sim_output_stage(Sim *sim, CastError *err);  // a frame where a stage ends
 CastStatus sim_output_finish(Sim *sim, CastError *err); // a last frame, side files and summary
 CastStatus sim_output_record(Sim *sim, CastError *err); // the heat of the step in progress
 void sim_output_destroy(SimOutput **output);
@@ -95,6 +107,18 @@ size_t sim_output_record_size(const Sim *sim);
 void sim_output_save_record(const Sim *sim, double *buffer);
 CastStatus sim_output_reopen_record(Sim *sim, size_t n, const double *buffer, CastError *err); // after reopen
 CastStatus sim_output_reopen(Sim *sim, const char *command, const double state[OUTPUT_STATE], CastError *err);
+
+/* sim_cool.c */
+double sim_end(const Sim *sim);                       // s, of the last stage
+void sim_watch_rest(Sim *sim);                        // after each step of the filling
+SwitchReason sim_fill_is_over(const Sim *sim);        // SWITCH_NONE: it is not
+CastStatus sim_cool_begin(Sim *sim, CastError *err);  // the second stage, from now on
+CastStatus sim_cool_resume(Sim *sim, CastError *err); // the same after particles, mould and counts were read
+CastStatus sim_cool_step(Sim *sim, CastError *err);
+CastStatus sim_cool_checkpoint(Sim *sim, CastError *err); // where one is wanted
+bool sim_cool_is_over(const Sim *sim);
+void sim_cool_keep(Sim *sim);                          // in the counts, what the second stage keeps
+double sim_solid_part(const Sim *sim, double *locked); // mean solid fraction; locked (may be NULL): part of the melt
 
 /* sim_resume.c */
 CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err);

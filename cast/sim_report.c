@@ -14,8 +14,8 @@ static void report_mould(const Sim *sim)
            rom->r, cavity, rom->m - cavity, sim->config->preheat, sim->config->ambient);
   if (!rom->certificate.met)
     log_warn(sim->log, "the reduced model does not certify its tolerance of %g: see castrun info", rom->tolerance);
-  if (sim->config->end > rom->t_end)
-    log_warn(sim->log, "the run ends at %g s; the reduced model speaks of times up to %g s", sim->config->end,
+  if (sim_end(sim) > rom->t_end)
+    log_warn(sim->log, "the run ends at %g s; the reduced model speaks of times up to %g s", sim_end(sim),
              rom->t_end);
 }
 
@@ -77,6 +77,15 @@ static void report_steps(const Sim *sim)
            stiffness > 0.5 ? ": above 0.5, the exchange will take sub-steps" : " (stable below 0.5)");
 }
 
+static void report_stages(const Sim *sim)
+{
+  const CoolConfig *cool = &sim->config->cool;
+  if (!cool->wanted) return;
+  log_info(sim->log, "stages    filling until %s%g s; cooling in implicit steps until %s%g s, tolerance %g K",
+           cool->at_end ? "" : "the melt is at rest or locked, at the latest ", sim->config->end,
+           cool->until_solid ? "all is solid, at the latest " : "", cool->end, cool->tolerance);
+}
+
 CastStatus sim_report(Sim *sim, CastError *err)
 {
   CAST_CALL(cavity_thinnest_gap(sim->surface, &sim->gap, sim->gap_at, err));
@@ -86,5 +95,6 @@ CastStatus sim_report(Sim *sim, CastError *err)
   report_melt(sim);
   report_volumes(sim);
   report_steps(sim);
+  report_stages(sim);
   return sim_check_inside(sim, err);
 }

@@ -10,7 +10,7 @@
 #include "common/h5.h"
 
 static const char FORMAT[] = "castrun checkpoint";
-enum { FORMAT_VERSION = 1 };
+enum { FORMAT_VERSION = 2 };
 
 /* ---- writing ---- */
 
@@ -114,6 +114,7 @@ CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err)
   snprintf(path, sizeof path, "%s/%s", sim_output_folder(sim), name);
   snprintf(temporary, sizeof temporary, "%s.part", path);
   hid_t file = -1;
+  sim_cool_keep(sim);
   CAST_CALL(h5_file_create(temporary, &file, err));
   CastStatus status = write_all(sim, file, err);
   const CastStatus closed = h5_file_close(&file, status == CAST_OK ? err : NULL);
@@ -249,6 +250,7 @@ static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *
   CAST_CALL(restore_particles(sim, file, err));
   CAST_CALL(restore_mould(sim, file, err));
   CAST_CALL(restore_progress(sim, file, err));
+  if (sim->counts.stage == STAGE_COOL) return sim_cool_resume(sim, err);
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
   CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
   filling_update(sim->filling, &sim->particles, sim->counts.time);

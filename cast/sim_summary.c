@@ -9,7 +9,7 @@
 #include "cast/io/run_record.h"
 #include "cast/sim_private.h"
 
-static const char *const PHASE_NAMES[PHASE_COUNT] = {"motion", "neighbours", "pair sums", "mould", "output"};
+static const char *const PHASE_NAMES[PHASE_COUNT] = {"motion", "neighbours", "pair sums", "mould", "output", "cooling"};
 static const char *const LIMIT_NAMES[5] = {"sound", "force", "viscosity", "conduction", "input"};
 
 typedef struct Range {
@@ -112,11 +112,30 @@ static void print_work(FILE *out, const Sim *sim, const Account *account)
           account->mould_flops, fmax(n->substeps_most, 1.0), n->substeps_most > 1.0 ? "s" : "");
 }
 
+static void print_stages(FILE *out, const Sim *sim)
+{
+  if (!sim->config->cool.wanted) return;
+  double switched, locked;
+  const char *why = sim_switched(sim, &switched);
+  const double solid = sim_solid_part(sim, &locked);
+  if (!sim->cool) {
+    fprintf(out, "Stages\n  filling; cooling has not begun\n");
+    return;
+  }
+  const SimCounts *n = &sim->counts;
+  const CoolCounts c = cool_counts(sim->cool);
+  fprintf(out, "Stages\n  filling until %.6g ms (%s), %.1f s of work\n", 1e3 * switched, why, n->fill_wall);
+  fprintf(out, "  cooling until %.6g s, %.1f s of work: %.0f steps of %.3g to %.3g s, %.0f more rejected;\n", n->time,
+          n->wall - n->fill_wall, c.steps, c.shortest, c.longest, c.rejected);
+  fprintf(out, "  %.0f iterations of Newton's method, %.0f of conjugate gradients\n", c.newton, c.gradients);
+  fprintf(out, "  solid %.1f %%, locked %.1f %% of the melt\n", 100.0 * solid, 100.0 * locked);
+}
+
 static void print_text(FILE *out, const Sim *sim, const Account *a)
 {
   const SimCounts *n = &sim->counts;
   fprintf(out, "%s\n%s at t = %.6g ms of %.6g ms\n\n", sim->config->title, a->outcome, 1e3 * n->time,
-          1e3 * sim->config->end);
+          1e3 * sim_end(sim));
   print_filling(out, sim);
   fprintf(out, "Temperature      least       mean       most\n");
   fprintf(out, "  melt       %9.2f  %9.2f  %9.2f K\n", a->melt.least, a->melt.mean, a->melt.most);
@@ -126,6 +145,7 @@ static void print_text(FILE *out, const Sim *sim, const Account *a)
           sim->particles.n_fluid, n->removed, 1e3 * n->removed_mass, n->guarded);
   fprintf(out, "  largest speed seen %.3g m/s, %.1f %% of the numerical sound speed %.4g m/s\n", n->fastest,
           100.0 * n->fastest / sim->sph.c0, sim->sph.c0);
+  print_stages(out, sim);
   print_work(out, sim, a);
   fprintf(out, "Warnings: %d (see castrun.log)\n", log_warning_count(sim->log));
   fputs("Provenance\n", out);
@@ -181,6 +201,20 @@ static json_t *provenance_object(const Provenance *p)
                    p->rom_sha256, "material_sha256", p->material_sha256);
 }
 
+static json_t *stages_object(const Sim *sim)
+{
+  double switched, locked;
+  const char *why = sim_switched(sim, &switched);
+  const double solid = sim_solid_part(sim, &locked);
+  const CoolCounts c = sim->cool ? cool_counts(sim->cool) : (CoolCounts){0};
+  const SimCounts *n = &sim->counts;
+  return json_pack("{ss so so so so so so so so so}", "switch_reason", why, "switch_s", number(switched), "fill_wall_s",
+                   number(sim->cool ? n->fill_wall : n->wall), "cool_wall_s",
+                   number(sim->cool ? n->wall - n->fill_wall : 0.0), "cool_steps", number(c.steps), "cool_rejected",
+                   number(c.rejected), "newton", number(c.newton), "conjugate_gradients", number(c.gradients),
+                   "solid_fraction", number(solid), "locked", number(locked));
+}
+
 static char *json_text(const Sim *sim, const Account *a)
 {
   json_t *features = json_object();
@@ -188,9 +222,9 @@ static char *json_text(const Sim *sim, const Account *a)
     json_object_set_new(features, filling_name(sim->filling, s), filling_object(sim->filling, s));
   const SimCounts *n = &sim->counts;
   json_t *root = json_pack(
-      "{ss ss so so so so so so so so so so sI so so so si so}", "title", sim->config->title, "outcome", a->outcome,
-      "time_s", number(n->time), "end_s", number(sim->config->end), "filling", features, "melt_K",
-      range_object(a->melt), "cavity_wall_K", range_object(a->wall), "energy_J", ledger_object(&a->ledger),
+      "{ss ss so so so so so so so so so so so sI so so so si so}", "title", sim->config->title, "outcome", a->outcome,
+      "time_s", number(n->time), "end_s", number(sim_end(sim)), "filling", features, "melt_K", range_object(a->melt),
+      "cavity_wall_K", range_object(a->wall), "energy_J", ledger_object(&a->ledger), "stages", stages_object(sim),
       "removed_particles", number(n->removed), "removed_kg", number(n->removed_mass), "set_back", number(n->guarded),
       "largest_speed_m_s", number(n->fastest), "particles", (json_int_t)sim->particles.n_fluid, "spacing_m",
       number(sim->config->spacing), "sound_speed_m_s", number(sim->sph.c0), "work", work_object(sim, a), "warnings",

@@ -11,7 +11,7 @@ struct HeatRecorder {
   char path[4200];
   double every; // s
   size_t m, n_triangles, rows;
-  double now;                   // s, up to where heat was added
+  double now, written;          // s, up to where heat was added, and rows are written
   double *heat, *triangle_heat; // [m], [n_triangles] J of the interval begun
 };
 
@@ -113,6 +113,7 @@ static CastStatus write_row(HeatRecorder *recorder, double time, CastError *err)
   if (status == CAST_OK) status = closed;
   CAST_CALL(status);
   recorder->rows++;
+  recorder->written = time;
   memset(recorder->heat, 0, recorder->m * sizeof(double));
   memset(recorder->triangle_heat, 0, recorder->n_triangles * sizeof(double));
   return CAST_OK;
@@ -140,23 +141,33 @@ CastStatus heat_recorder_add(HeatRecorder *recorder, double t, double dt, const 
   return CAST_OK;
 }
 
+CastStatus heat_recorder_add_interval(HeatRecorder *recorder, double t, double dt, const double *flow,
+                                      const double *power, CastError *err)
+{
+  recorder->now = t;
+  CAST_CALL(heat_recorder_finish(recorder, err));
+  collect(recorder, dt, flow, power);
+  recorder->now = t + dt;
+  return write_row(recorder, recorder->now, err);
+}
+
 CastStatus heat_recorder_finish(HeatRecorder *recorder, CastError *err)
 {
-  const double last = recorder->every * (double)recorder->rows;
-  return recorder->now > last * (1.0 + 1e-12) ? write_row(recorder, recorder->now, err) : CAST_OK;
+  return recorder->now > recorder->written * (1.0 + 1e-12) ? write_row(recorder, recorder->now, err) : CAST_OK;
 }
 
 size_t heat_recorder_size(const HeatRecorder *recorder)
 {
-  return 2 + recorder->m + recorder->n_triangles;
+  return 3 + recorder->m + recorder->n_triangles;
 }
 
 void heat_recorder_save(const HeatRecorder *recorder, double *buffer)
 {
   buffer[0] = (double)recorder->rows;
   buffer[1] = recorder->now;
-  memcpy(buffer + 2, recorder->heat, recorder->m * sizeof *buffer);
-  memcpy(buffer + 2 + recorder->m, recorder->triangle_heat, recorder->n_triangles * sizeof *buffer);
+  buffer[2] = recorder->written;
+  memcpy(buffer + 3, recorder->heat, recorder->m * sizeof *buffer);
+  memcpy(buffer + 3 + recorder->m, recorder->triangle_heat, recorder->n_triangles * sizeof *buffer);
 }
 
 size_t heat_recorder_saved_rows(const double *buffer)
@@ -168,6 +179,7 @@ void heat_recorder_restore(HeatRecorder *recorder, const double *buffer)
 {
   recorder->rows = heat_recorder_saved_rows(buffer);
   recorder->now = buffer[1];
-  memcpy(recorder->heat, buffer + 2, recorder->m * sizeof *buffer);
-  memcpy(recorder->triangle_heat, buffer + 2 + recorder->m, recorder->n_triangles * sizeof *buffer);
+  recorder->written = buffer[2];
+  memcpy(recorder->heat, buffer + 3, recorder->m * sizeof *buffer);
+  memcpy(recorder->triangle_heat, buffer + 3 + recorder->m, recorder->n_triangles * sizeof *buffer);
 }

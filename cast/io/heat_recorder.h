@@ -25,6 +25,10 @@ void heat_recorder_close(HeatRecorder **recorder);
 /* Flows [m] and powers [n_triangles], W, constant from t to t + dt. Errors: CAST_ERR_IO. */
 CastStatus heat_recorder_add(HeatRecorder *recorder, double t, double dt, const double *flow, const double *power,
                              CastError *err);
+/* One step that is an interval of its own, however long: of the cooling stage, after which heat_recorder_add is not
+ * called any more. The interval begun before it is written as it is. Errors: CAST_ERR_IO. */
+CastStatus heat_recorder_add_interval(HeatRecorder *recorder, double t, double dt, const double *flow,
+                                      const double *power, CastError *err);
 /* The interval begun is written as it is: at the run's end. Errors: CAST_ERR_IO. */
 CastStatus heat_recorder_finish(HeatRecorder *recorder, CastError *err);
 

@@ -301,10 +301,34 @@ CouplingContacts coupling_conductances(Coupling *c, const Particles *particles)
                             contacts->conductance, contacts->of_patch_start, contacts->of_patch};
 }
 
+/* Powers of the contacts at the step's end, brought to the patches' mean flows by a shift of each patch's temperature.
+ */
+static void share_flows(Coupling *c, const RomState *state, const Particles *p)
+{
+  Contacts *contacts = &c->contacts;
+  const double *T_patch = rom_state_patch_temperature(state);
+  for (ptrdiff_t k = 0; k < contacts->n_near; k++)
+    for (ptrdiff_t e = contacts->first[k]; e < contacts->first[k + 1]; e++)
+      contacts->power[e] = contacts->conductance[e] * (p->T[contacts->near[k]] - T_patch[contacts->patch[e]]);
+#pragma omp parallel for schedule(dynamic, 8)
+  for (size_t l = 0; l < c->rom->m; l++) {
+    double power = 0.0, all = 0.0;
+    for (ptrdiff_t k = contacts->of_patch_start[l]; k < contacts->of_patch_start[l + 1]; k++) {
+      power += contacts->power[contacts->of_patch[k]];
+      all += contacts->conductance[contacts->of_patch[k]];
+    }
+    for (ptrdiff_t k = contacts->of_patch_start[l]; k < contacts->of_patch_start[l + 1] && all > 0.0; k++) {
+      const ptrdiff_t e = contacts->of_patch[k];
+      contacts->power[e] += contacts->conductance[e] / all * (c->flow[l] - power);
+    }
+  }
+}
+
 void coupling_record_flows(Coupling *c, const RomState *state, Particles *particles, const double *q, double dt)
 {
   for (size_t l = 0; l < c->rom->m; l++) c->flow[l] = q[l];
   count_exchanged(c, dt);
+  share_flows(c, state, particles);
   if (c->walls) wall_temperature_update(c->walls, state);
   show_wall_temperatures(c, state, particles);
 }

@@ -46,13 +46,14 @@ typedef struct Run {
 
 /* A run named `name`, ready to go. Fast melt, so that lists are rebuilt often; a level and a tracer, so that all is
  * used. */
-static Run start(const char *name, const char *coupling)
+static Run start_in_stages(const char *name, const char *coupling, const char *time, const char *checkpoints)
 {
-  const CastCaseInput input = {.coupling = coupling,
-                               .time = "{ end: 1.2 ms }",
-                               .output = "  curves_every: 0.1 ms\n  record_every: 0.07 ms\n  record_triangles: true\n  "
-                                         "probes: [{ name: pin, position: [0 mm, 0 mm, -5 mm] }]\n"
-                                         "  tracers: [{ name: '1', nearest: [0 mm, 0 mm, -4 mm] }]\n"};
+  char output[512];
+  snprintf(output, sizeof output, "%s%s", checkpoints,
+           "  curves_every: 0.1 ms\n  record_every: 0.07 ms\n  record_triangles: true\n  "
+           "probes: [{ name: pin, position: [0 mm, 0 mm, -5 mm] }]\n"
+           "  tracers: [{ name: '1', nearest: [0 mm, 0 mm, -4 mm] }]\n");
+  const CastCaseInput input = {.coupling = coupling, .time = time, .output = output};
   CastError err = {0};
   Run run = {0};
   char path[128];
@@ -63,6 +64,11 @@ static Run start(const char *name, const char *coupling)
   ok(sim_create(run.config, NULL, &run.sim, &err), &err);
   ok(sim_open_output(run.sim, "test", &err), &err);
   return run;
+}
+
+static Run start(const char *name, const char *coupling)
+{
+  return start_in_stages(name, coupling, "{ end: 1.2 ms }", "");
 }
 
 static void finish(Run *run)
@@ -201,6 +207,43 @@ static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state
   finish(&broken);
 }
 
+/* A run that leaves a checkpoint at every chance, so that its last is that before the last step but one of the cooling;
+ * what was written after it is cut off again. */
+static void check_cooling(const char *kind, const char *coupling)
+{
+  CastError err = {0};
+  char whole_name[32], broken_name[32];
+  snprintf(whole_name, sizeof whole_name, "cool_whole_%s", kind);
+  snprintf(broken_name, sizeof broken_name, "cool_broken_%s", kind);
+  const char *time = "{ end: 0.4 ms, cool: { end: 2 s, every: 0.3 s } }";
+  Run whole = start_in_stages(whole_name, coupling, time, "");
+  Run broken = start_in_stages(broken_name, coupling, time, "  checkpoint_every: 1 ns\n");
+  SimEnd end;
+  double switched;
+  omp_set_num_threads(2);
+  ok(sim_run(whole.sim, NULL, &end, &err), &err);
+  ok(sim_run(broken.sim, NULL, &end, &err), &err);
+  finish(&broken);
+  omp_set_num_threads(1);
+  ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
+  assert_true(sim_time(broken.sim) > 0.1 && sim_time(broken.sim) < 2.0);
+  assert_string_equal(sim_switched(broken.sim, &switched), "time");
+  ok(sim_run(broken.sim, NULL, &end, &err), &err);
+  assert_int_equal(end, SIM_FINISHED);
+  assert_same_state(whole.sim, broken.sim);
+  assert_same_files(&whole, &broken);
+  assert_same_records(&whole, &broken);
+  finish(&whole);
+  finish(&broken);
+}
+
+static void a_run_resumed_while_it_cools_has_the_bits_and_files_of_an_unbroken_one(void **state)
+{
+  (void)state;
+  check_cooling("surface", "{ kind: surface }");
+  check_cooling("embedded", "{ kind: embedded }");
+}
+
 static void a_run_does_not_go_on_with_another_rom(void **state)
 {
   (void)state;
@@ -228,6 +271,7 @@ int main(void)
       cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_coupling),
       cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_embedded_coupling),
       cmocka_unit_test(the_files_of_a_resumed_run_are_those_of_an_unbroken_one),
+      cmocka_unit_test(a_run_resumed_while_it_cools_has_the_bits_and_files_of_an_unbroken_one),
       cmocka_unit_test(a_run_does_not_go_on_with_another_rom),
   };
   return cmocka_run_group_tests(tests, set_up, clean_up);

@@ -120,9 +120,9 @@ static void a_step_is_divided_between_the_intervals_it_reaches(void **state)
   HeatRecord record;
   CastError err = {0};
   char path[128];
-  double buffer[4];
+  double buffer[5];
   ok(heat_recorder_open(casting.folder, &setup, NULL, &recorder, &err), &err);
-  assert_int_equal(heat_recorder_size(recorder), 4);
+  assert_int_equal(heat_recorder_size(recorder), 5);
   ok(heat_recorder_add(recorder, 0.0, 0.25, flow, NULL, &err), &err);
   heat_recorder_save(recorder, buffer);
   assert_int_equal(heat_recorder_saved_rows(buffer), 2);

@@ -123,7 +123,8 @@ static void check_run(const char *name, const CastCaseInput *input)
   const ptrdiff_t n = sim_particles(run.sim)->n_fluid;
   assert_int_equal(run_all(&run), SIM_FINISHED);
   assert_int_equal(sim_particles(run.sim)->n_fluid, n);
-  assert_close(sim_time(run.sim), run.config->end, 1e-12 * run.config->end);
+  const double end = run.config->cool.wanted ? run.config->cool.end : run.config->end;
+  assert_close(sim_time(run.sim), end, 1e-12 * end);
   assert_ledger_closes(run.sim);
   assert_true(deepest(&run) < 0.15); // a tenth of a spacing is what the guard lets pass
   finish(&run);
@@ -209,7 +210,7 @@ static void a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when(v
   finish(&run);
 }
 
-/* ---- files ---- */
+/* ---- the second stage ---- */
 
 static json_t *read_json(const char *folder)
 {
@@ -227,6 +228,65 @@ static double number_at(const json_t *root, const char *group, const char *name)
   if (!json_is_number(value)) fail_msg("%s.%s is no number", group, name);
   return json_number_value(value);
 }
+
+static void a_casting_fills_then_cools_until_it_is_solid(void **state)
+{
+  (void)state;
+  const CastCaseInput input = {.time =
+                                   "{ end: 3 ms, cool: { end: 60 s, until: solid, every: 0.5 s, tolerance: 2 K } }"};
+  Run run = start("stages", &input, true);
+  assert_int_equal(run_all(&run), SIM_FINISHED);
+  const Particles *p = sim_particles(run.sim);
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    assert_true(p->T[i] <= run.config->melt.solidus);
+    assert_true(p->v[0][i] == 0.0 && p->v[1][i] == 0.0 && p->v[2][i] == 0.0);
+  }
+  assert_true(sim_time(run.sim) > 0.1 && sim_time(run.sim) < 60.0);
+  assert_ledger_closes(run.sim);
+  json_t *root = read_json(run.folder);
+  assert_close(number_at(root, "stages", "switch_s"), 3e-3, 1e-12);
+  const json_t *reason = json_object_get(json_object_get(root, "stages"), "switch_reason");
+  assert_string_equal(json_string_value(reason), "time");
+  assert_true(number_at(root, "stages", "cool_steps") > 5.0);
+  assert_close(number_at(root, "stages", "solid_fraction"), 1.0, 1e-9);
+  json_decref(root);
+  CastError err = {0};
+  char path[160];
+  CsvTable table;
+  snprintf(path, sizeof path, "%s/ledger.csv", run.folder);
+  ok(csv_read(path, &table, &err), &err);
+  assert_close(csv_value(&table, table.n_rows - 1, csv_column(&table, "time_s")), sim_time(run.sim),
+               1e-6 * sim_time(run.sim)); // curves go on through both stages
+  csv_table_free(&table);
+  finish(&run);
+}
+
+/* A pool that was dropped a little: its motion dies out long before the filling's time is up. */
+static void cooling_begins_when_the_melt_is_at_rest(void **state)
+{
+  (void)state;
+  const CastCaseInput input = {
+      .melt = "  material: { density: 7000 kg/m^3, specific_heat: 500 J/kg/K, latent_heat: 200 kJ/kg, solidus: 1300 K, "
+              "liquidus: 1310 K, conductivity: 30 W/m/K, viscosity: 2 Pa.s }\n  temperature: 1150 degC\n"
+              "  blocks: [{ corner: [-2 mm, -2 mm, -3.9 mm], size: [4 mm, 4 mm, 2 mm] }]\n",
+      .time = "{ end: 300 ms, cool: { end: 1 s, every: 1 s } }"};
+  Run run = start("rest", &input, false);
+  assert_int_equal(run_all(&run), SIM_FINISHED);
+  double switched = 0.0;
+  assert_string_equal(sim_switched(run.sim, &switched), "rest");
+  assert_true(switched > 10e-3 && switched < 290e-3);
+  assert_ledger_closes(run.sim);
+  finish(&run);
+}
+
+static void embedded_coupling_cools_through_the_surface(void **state)
+{
+  (void)state;
+  check_run("embedded-cool", &(CastCaseInput){.coupling = "{ kind: embedded }",
+                                              .time = "{ end: 1 ms, cool: { end: 5 s, begin: at-end } }"});
+}
+
+/* ---- files ---- */
 
 static void check_curves(const Run *run)
 {
@@ -330,6 +390,9 @@ int main(void)
       cmocka_unit_test(a_pool_starts_at_rest),
       cmocka_unit_test(melt_that_leaves_is_counted_and_its_heat_stays_in_the_books),
       cmocka_unit_test(a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when),
+      cmocka_unit_test(a_casting_fills_then_cools_until_it_is_solid),
+      cmocka_unit_test(cooling_begins_when_the_melt_is_at_rest),
+      cmocka_unit_test(embedded_coupling_cools_through_the_surface),
       cmocka_unit_test(a_run_leaves_frames_curves_pictures_and_a_summary_that_agree_with_it),
       cmocka_unit_test(a_run_that_writes_has_the_bits_of_one_that_does_not),
       cmocka_unit_test(a_block_holds_its_volume_s_worth_of_particles),
