@@ -29,6 +29,7 @@ static CastStatus build(Sim *sim, CastError *err)
   CAST_CALL(rom_state_create(sim->rom, c->scheme, c->preheat, c->ambient, &sim->mould, err));
   CAST_CALL(neighbours_create(kernel_support(c->kernel) * sim->sph.h, neighbours_skin(c->spacing), sim->surface,
                               &sim->neighbours, err));
+  neighbours_suit_skin(sim->neighbours, c->spacing, sph_sound_step(&sim->sph, 0.0));
   CAST_CALL(coupling_create(&c->coupling, &sim->sph, sim->rom, sim->surface, &sim->particles, &sim->coupling, err));
   CAST_CALL(filling_create(sim->surface, sim->rom, c->spacing, sim->origin, &sim->filling, err));
   CAST_CALL(filling_set_part(sim->filling, c->n_part, c->part, err));

@@ -26,7 +26,7 @@ typedef struct Build {
   const ContactRules *rules;
   const Particles *p;
   const PairList *list;
-  double period[3], slope; // m; 1/m5
+  double period[3], slope, reach2; // m; 1/m5; m2
 } Build;
 
 typedef struct Touch {                     // one wall particle within reach of the row's fluid particle
@@ -64,15 +64,26 @@ static double image(double d, double period)
   return period > 0.0 ? d - period * floor(d / period + 0.5) : d;
 }
 
+/* The way from wall particle k to fluid i, m; returns its squared length. */
+static double way_from_wall(const Build *b, ptrdiff_t i, ptrdiff_t k, double way[3])
+{
+  const Particles *p = b->p;
+  double r2 = 0.0;
+  for (int d = 0; d < 3; d++) {
+    way[d] = image(p->x[d][i] - p->x[d][p->n_fluid + k], b->period[d]);
+    r2 += way[d] * way[d];
+  }
+  return r2;
+}
+
 /* Area and distance of fluid i and wall particle k. */
-static void measure(const Build *b, ptrdiff_t i, ptrdiff_t k, Touch *touch)
+static void measure(const Build *b, ptrdiff_t i, ptrdiff_t k, const double way[3], double r2, Touch *touch)
 {
   const Particles *p = b->p;
   const ptrdiff_t j = p->n_fluid + k;
-  double r2 = 0.0, across = 0.0, lift = 0.0, foot2 = 0.0;
+  double across = 0.0, lift = 0.0, foot2 = 0.0;
   for (int d = 0; d < 3; d++) {
-    const double r = image(p->x[d][i] - p->x[d][j], b->period[d]), n = p->normal[d][k], up = p->x[d][j] - p->foot[d][k];
-    r2 += r * r;
+    const double r = way[d], n = p->normal[d][k], up = p->x[d][j] - p->foot[d][k];
     across += r * n;
     lift += up * n;
     foot2 += (r + up) * (r + up);
@@ -101,7 +112,10 @@ static void gather(const Build *b, ptrdiff_t i, ptrdiff_t first, Share *share)
   for (ptrdiff_t l = b->list->start[i]; l < b->list->start[i + 1]; l++) {
     const ptrdiff_t k = b->list->index[l] - b->p->n_fluid;
     Touch *touch = &share->touch[share->n_touch];
-    measure(b, i, k, touch);
+    double way[3];
+    const double r2 = way_from_wall(b, i, k, way);
+    if (!all && r2 >= b->reach2) continue; // listed for what may come: its area is zero
+    measure(b, i, k, way, r2, touch);
     if (!all && (touch->area <= 0.0 || touch->distance < -behind * b->rules->sph->spacing)) continue;
     touch->contact = contact_of(share, first, i, b->p->patch[k]);
     share->n_touch++;
@@ -315,7 +329,8 @@ static Build begin_build(const ContactRules *rules, const Particles *p, const Ne
                  .p = p,
                  .list = neighbours_fluid_wall(neighbours),
                  .period = {period[0], period[1], period[2]},
-                 .slope = shape_norm(rules->sph->kernel) / (h * h * h * h * h)};
+                 .slope = shape_norm(rules->sph->kernel) / (h * h * h * h * h),
+                 .reach2 = pow(kernel_support(rules->sph->kernel) * h, 2.0)};
 }
 
 double contacts_share(const ContactRules *rules, const Particles *p, const Neighbours *neighbours, ptrdiff_t i,

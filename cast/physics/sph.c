@@ -72,6 +72,11 @@ static Extremes find_extremes(const Particles *p)
   return (Extremes){sqrt(v2), sqrt(a2), nu, conductivity};
 }
 
+double sph_sound_step(const SphParameters *sph, double speed)
+{
+  return 0.3 * (0.5 * kernel_support(sph->kernel) * sph->h) / (sph->c0 + speed);
+}
+
 /* Limits for a length l of half the kernel's support (h of a Wendland kernel):
  *   sound 0.3 l/(c0 + v), force 0.25 sqrt(l/a), viscosity 0.1 l^2/nu, conduction 0.1 rho c l^2/kappa.
  * Diffusion in explicit steps is stable up to 0.22 l^2/nu: sum V F = 3.5/l^2 for Wendland's kernel, the largest
@@ -81,7 +86,7 @@ SphLimits sph_time_step(const SphParameters *sph, const Particles *p)
   const double l = 0.5 * kernel_support(sph->kernel) * sph->h, never = (double)INFINITY;
   const Extremes most = find_extremes(p);
   const double heat = sph->melt ? most.conductivity / material_specific_heat_min(sph->melt) : 0.0;
-  SphLimits limits = {.sound = 0.3 * l / (sph->c0 + most.speed),
+  SphLimits limits = {.sound = sph_sound_step(sph, most.speed),
                       .force = most.acceleration > 0.0 ? 0.25 * sqrt(l / most.acceleration) : never,
                       .viscosity = most.viscosity > 0.0 ? 0.1 * l * l / most.viscosity : never,
                       .conduction = heat > 0.0 ? 0.1 * l * l / heat : never};

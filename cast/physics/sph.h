@@ -49,6 +49,7 @@ typedef struct SphLimits {                    // the time step and what sets it
 
 /* Once, before the first step: p and volume from rho (a hydrostatic start is the caller's), T, kappa and mu from E. */
 void sph_initialise(const SphParameters *sph, Particles *particles);
+double sph_sound_step(const SphParameters *sph, double speed); // s, the limit that sound sets while melt moves so fast
 SphLimits sph_time_step(const SphParameters *sph, const Particles *particles);
 /* Advance positions; a fluid particle that would enter the mould by more than a tenth of the spacing is set back to the
  * wall and loses its velocity into it. guarded: how many were. Errors: CAST_ERR_NUMERIC, naming the particle, place. */

@@ -2,6 +2,7 @@
  * What stops a run (a number that is not finite, a particle faster than sound) is looked for here, once a step. */
 #include <math.h>
 
+#include "cast/kernel/dispatch.h"
 #include "cast/kernel/pair.h"
 #include "cast/physics/properties.h"
 #include "cast/physics/solidification.h"
@@ -15,7 +16,7 @@ typedef struct Drift {
   double dt;
 } Drift;
 
-static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t end)
+SIMD_CLONES static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t end)
 {
   const Particles *p = d->p;
   const double dt = d->dt, half = 0.5 * dt;
@@ -126,21 +127,19 @@ static void drag_rows(const Material *melt, const Solidification *freezing, Part
   }
 }
 
-static void finish_rows(const SphParameters *sph, Particles *p, double dt, ptrdiff_t first, ptrdiff_t end)
+SIMD_CLONES static void finish_rows(const SphParameters *sph, Particles *p, double dt, ptrdiff_t first, ptrdiff_t end)
 {
   const bool flow = !sph->frozen_flow, continuity = flow && sph->density == SPH_CONTINUITY;
-  const Solidification freezing = solidification_of(sph->melt);
+  const double lock_enthalpy = solidification_of(sph->melt).lock_enthalpy;
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
-    const double free = p->E[i] > freezing.lock_enthalpy ? 1.0 : 0.0;
+    const double free = p->E[i] > lock_enthalpy ? 1.0 : 0.0;
     if (flow)
       for (int axis = 0; axis < 3; axis++) p->v[axis][i] = free * (p->v[axis][i] + p->a[axis][i] * 0.5 * dt);
     p->rho[i] = continuity ? p->rho_start[i] + p->drho[i] * dt : p->rho[i];
     p->volume[i] = p->mass[i] / whole_density(p->rho[i], sph->rho0);
     p->E[i] += p->heat[i] * dt / p->mass[i];
   }
-  properties_of_rows(sph->melt, p, first, end);
-  if (flow && freezing.arm > 0.0) drag_rows(sph->melt, &freezing, p, dt, first, end);
 }
 
 typedef enum Fault { FAULT_NONE, FAULT_SPEED, FAULT_DENSITY, FAULT_ENTHALPY, FAULT_TEMPERATURE, FAULT_FAST } Fault;
@@ -154,6 +153,23 @@ static Fault fault_of(const SphParameters *sph, const Particles *p, ptrdiff_t i)
   if (!isfinite(p->E[i])) return FAULT_ENTHALPY;
   if (sph->melt && !(p->T[i] >= 0.0 && isfinite(p->T[i]))) return FAULT_TEMPERATURE;
   return v2 > sph->c0 * sph->c0 ? FAULT_FAST : FAULT_NONE;
+}
+
+/* Is none of them at fault? The same as fault_of for whole vectors: differences of numbers that are not finite are no
+ * zero. */
+SIMD_CLONES static bool rows_are_sound(const SphParameters *sph, const Particles *p, ptrdiff_t first, ptrdiff_t end)
+{
+  const double most2 = sph->c0 * sph->c0;
+  const bool melt = sph->melt != NULL;
+  int faults = 0;
+#pragma omp simd reduction(+ : faults)
+  for (ptrdiff_t i = first; i < end; i++) {
+    const double v2 = p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i];
+    const double rho = p->rho[i], T = melt ? p->T[i] : 0.0;
+    const double finite = (v2 - v2) + (rho - rho) + (p->E[i] - p->E[i]) + (T - T);
+    faults += !(v2 <= most2) | !(rho > 0.0) | !(T >= 0.0) | !(finite == 0.0);
+  }
+  return faults == 0;
 }
 
 static CastStatus report_fault(const SphParameters *sph, const Particles *p, ptrdiff_t i, CastError *err)
@@ -180,10 +196,15 @@ static CastStatus report_fault(const SphParameters *sph, const Particles *p, ptr
 CastStatus sph_finish(const SphParameters *sph, Particles *p, double dt, CastError *err)
 {
   ptrdiff_t bad = p->n_fluid;
+  const Solidification freezing = solidification_of(sph->melt);
+  const bool mush = !sph->frozen_flow && freezing.arm > 0.0;
 #pragma omp parallel for reduction(min : bad)
   for (ptrdiff_t first = 0; first < p->n_fluid; first += ROWS_PER_TASK) {
     const ptrdiff_t end = first + ROWS_PER_TASK < p->n_fluid ? first + ROWS_PER_TASK : p->n_fluid;
     finish_rows(sph, p, dt, first, end);
+    properties_of_rows(sph->melt, p, first, end);
+    if (mush) drag_rows(sph->melt, &freezing, p, dt, first, end);
+    if (rows_are_sound(sph, p, first, end)) continue;
     for (ptrdiff_t i = first; i < end; i++)
       if (fault_of(sph, p, i) != FAULT_NONE) bad = i < bad ? i : bad;
   }

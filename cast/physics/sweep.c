@@ -8,6 +8,7 @@
 
 #include "cast/kernel/dispatch.h"
 #include "cast/physics/block.h"
+#include "cast/physics/flow.h"
 
 enum { ROWS_PER_TASK = 128 };
 
@@ -185,26 +186,6 @@ PAIR_INLINE void scale_rates(const SweepScales *c, double volume_i, Rates *sum)
   }
 }
 
-/* A torn particle that flies into a wall (at rest) is stopped. */
-static void stop_torn(const Sweep *s, ptrdiff_t i, const Rates *sum)
-{
-  Particles *p = s->p;
-  const double torn = torn_fraction(p->rho[i], s->sph->rho0), *away = sum->away;
-  const double size2 = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
-  if (torn <= 0.0 || size2 <= 0.0) return;
-  const double along = p->v[0][i] * away[0] + p->v[1][i] * away[1] + p->v[2][i] * away[2];
-  const double push = impact_push(torn, s->sph->c0, -along / sqrt(size2));
-  for (int d = 0; d < 3; d++) p->a[d][i] += push * away[d];
-}
-
-void sweep_set_flow(const Sweep *s, ptrdiff_t i, const Rates *sum)
-{
-  Particles *p = s->p;
-  p->drho[i] = s->sph->density == SPH_CONTINUITY ? sum->drho : 0.0;
-  for (int d = 0; d < 3; d++) p->a[d][i] = sum->force[d] / s->scale.mass + s->scale.body[d];
-  stop_torn(s, i, sum);
-}
-
 /* A neighbour of nothing: its pair terms are zero because it coincides with `me`, and for walls has no mass or volume.
  */
 PAIR_INLINE void wall_filler(const RecordField *me, RecordField filler[RECORD_SIZE])
@@ -235,7 +216,7 @@ PAIR_INLINE void sweep_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, 
     }
     scale_rates(&s->scale, p->volume[i], &sum);
     p->heat[i] = sum.heat;
-    sweep_set_flow(s, i, &sum);
+    set_flow(s, i, &sum);
   }
 }
 

@@ -73,7 +73,5 @@ void sweep_sum_density(const Sweep *sweep); // rho by summation
 void sweep_walls(const Sweep *sweep);       // p, v, rho and records of the walls that fluid is near to
 void sweep_fluid(const Sweep *sweep);       // flow and heat, fast
 void sweep_fluid_plain(const Sweep *sweep, SweepTasks tasks);
-/* Rates of particle i from its sums: a torn one is stopped at walls, body forces are added. */
-void sweep_set_flow(const Sweep *sweep, ptrdiff_t i, const Rates *sum);
 
 #endif

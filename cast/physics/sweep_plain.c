@@ -1,7 +1,6 @@
 /* Sums over pairs in double precision, one pair after the other: what the fast form is tested against, and what takes
  * flow or heat alone (conduction in melt that stands still). Formulas cast/kernel/pair.h; docs/theory, eq. 13-16 */
-#include "cast/kernel/pair.h"
-#include "cast/physics/sweep.h"
+#include "cast/physics/flow.h"
 
 enum { ROWS_PER_TASK = 128 };
 
@@ -93,7 +92,7 @@ void sweep_fluid_plain(const Sweep *s, SweepTasks tasks)
     if (tasks.heat) p->heat[i] = sum.heat;
     if (!tasks.flow) continue;
     for (ptrdiff_t k = wall->start[i]; k < wall->start[i + 1]; k++) add_wall(s, i, wall->index[k], &sum);
-    sweep_set_flow(s, i, &sum);
+    set_flow(s, i, &sum);
   }
 }
 

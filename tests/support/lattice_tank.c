@@ -73,6 +73,7 @@ void lattice_tank_create(LatticeTank *tank)
   for (int d = 0; d < 3; d++) free(x[d]);
   const CastStatus status = neighbours_create_periodic(reach, neighbours_skin(dx), period, &tank->neighbours, &err);
   if (status != CAST_OK) fail_msg("%s", err.message);
+  neighbours_suit_skin(tank->neighbours, dx, sph_sound_step(&tank->sph, 0.0));
   tank->time = 0.0;
   tank->steps = 0;
 }
