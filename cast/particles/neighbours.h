@@ -32,9 +32,10 @@ CastStatus neighbours_create(double reach, double skin, const Surface *surface, 
  * Errors also: CAST_ERR_ARGUMENT for a period below 2.5 times the range, where a pair would meet its own image. */
 CastStatus neighbours_create_periodic(double reach, double skin, const double period[3], Neighbours **neighbours,
                                       CastError *err);
-/* From now on take the skin, up to that given, that suits the speed of the melt at each build: slow melt has short lists
- * that last as long. Depends on the particles alone, so a resumed run has the same lists.
- *   spacing  m;  step  s, about as long as time steps will be */
+/* From now on take the skin, up to that given, that suits the speed of the melt at each build: slow melt has short
+ * lists that last as long. Depends on the particles alone, so a resumed run has the same lists.
+ *   spacing  m
+ *   step     s, about as long as time steps will be */
 void neighbours_suit_skin(Neighbours *neighbours, double spacing, double step);
 const double *neighbours_period(const Neighbours *neighbours); // [3] m, 0 where the domain does not repeat
 void neighbours_destroy(Neighbours **neighbours);

@@ -22,7 +22,7 @@ PAIR_INLINE void set_flow(const Sweep *s, ptrdiff_t i, const Rates *sum)
 {
   Particles *p = s->p;
   p->drho[i] = s->sph->density == SPH_CONTINUITY ? sum->drho : 0.0;
-  for (int d = 0; d < 3; d++) p->a[d][i] = sum->force[d] / s->scale.mass + s->scale.body[d];
+  for (int d = 0; d < 3; d++) p->a[d][i] = sum->a[d] + s->scale.body[d];
   stop_torn(s, i, sum);
 }
 

@@ -28,6 +28,11 @@ Sweep sweep_begin(const SphParameters *sph, Particles *particles, const Neighbou
                        .artificial = sph->alpha * sph->c0 * h / sph->rho0,
                        .soften = 0.01 * h * h,
                        .T0 = particles->n_fluid > 0 ? particles->T[0] : 0.0}};
+  const double h2 = h * h, h6 = h2 * h2 * h2;
+  s.scale.si.heat = s.scale.slope * h6;
+  s.scale.si.drho = s.scale.slope * h6 * h;
+  s.scale.si.a = s.scale.slope * h * s.scale.mass;
+  s.scale.si.away = s.scale.slope * h2 * h2;
   for (int d = 0; d < 3; d++) {
     const double unit = period[d] > 0.0 ? 0x1p-32 * period[d] : 0x1p-24 * h;
     s.scale.body[d] = sph->gravity[d] + sph->extra[d];
@@ -131,9 +136,9 @@ PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, float rho_i, con
                                 b->value[REC_T][k], F);
   }
   sum->drho += drho;
-  sum->force[0] += fx;
-  sum->force[1] += fy;
-  sum->force[2] += fz;
+  sum->a[0] += fx;
+  sum->a[1] += fy;
+  sum->a[2] += fz;
   sum->heat += heat;
 }
 
@@ -166,23 +171,20 @@ PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, float rho_i, cons
   const float force[3] = {fx, fy, fz}, away[3] = {sx, sy, sz};
   sum->drho += (double)drho;
   for (int d = 0; d < 3; d++) {
-    sum->force[d] += (double)force[d];
+    sum->a[d] += (double)force[d];
     sum->away[d] += (double)away[d];
   }
 }
 
 /* ---- rows ---- */
 
-/* From the pairs' units to SI. */
-PAIR_INLINE void scale_rates(const SweepScales *c, double volume_i, Rates *sum)
+PAIR_INLINE void scale_rates(const SweepScales *c, double per_volume_i, Rates *sum)
 {
-  const double h = 1.0 / c->per_h, h2 = h * h,
-               pair_volume = c->slope * (h2 * h2 * h2); // F V_i V_j, 1/(F_ij d) left out
-  sum->drho *= pair_volume * h / volume_i;
-  sum->heat *= pair_volume;
+  sum->drho *= c->si.drho * per_volume_i;
+  sum->heat *= c->si.heat;
   for (int d = 0; d < 3; d++) {
-    sum->force[d] *= c->slope * h * (c->mass * c->mass);
-    sum->away[d] *= c->slope * h2 * h2;
+    sum->a[d] *= c->si.a;
+    sum->away[d] *= c->si.away;
   }
 }
 
@@ -214,7 +216,7 @@ PAIR_INLINE void sweep_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, 
       const ptrdiff_t n = block_fill(&block, RECORD_SIZE, p->record, wall->index + k, most, filler);
       wall_pairs(s, kernel, rho_i, me, &block, n, &sum);
     }
-    scale_rates(&s->scale, p->volume[i], &sum);
+    scale_rates(&s->scale, 1.0 / p->volume[i], &sum);
     p->heat[i] = sum.heat;
     set_flow(s, i, &sum);
   }

@@ -41,6 +41,9 @@ typedef struct SweepScales {
   double per_unit[3]; // 1/m, the inverse of a record's unit of place
   float step[3];      // h, the unit
   double T0;          // K, what the records' temperatures count from
+  struct {            // from the fast form's sums (lengths in h, F in norm/h^5, volumes in h^3, masses in m) to SI
+    double drho, a, heat, away;
+  } si;
 } SweepScales;
 
 typedef struct Sweep {
@@ -59,10 +62,10 @@ typedef struct SweepTasks {
 
 /* Sums over one particle's pairs, in SI. */
 typedef struct Rates {
-  double drho;     // kg/(m3 s)
-  double force[3]; // N
-  double heat;     // W
-  double away[3];  // 1/m, sum over walls of V_j F_ij d: points out of the wall
+  double drho;    // kg/(m3 s)
+  double a[3];    // m/s2
+  double heat;    // W
+  double away[3]; // 1/m, sum over walls of V_j F_ij d: points out of the wall
 } Rates;
 
 Sweep sweep_begin(const SphParameters *sph, Particles *particles, const Neighbours *neighbours);

@@ -63,7 +63,7 @@ static void add_fluid(const Sweep *s, SweepTasks tasks, ptrdiff_t i, ptrdiff_t j
   sum->drho += (pair_continuity(p->rho[i], volumes, pair.u_dot_d, pair.F) +
                 pair_diffusion(volumes, c->diffusion, eta(s, i), eta(s, j), pair.F)) /
                p->volume[i];
-  for (int axis = 0; axis < 3; axis++) sum->force[axis] += push * pair.d[axis] - drag * pair.u[axis];
+  for (int axis = 0; axis < 3; axis++) sum->a[axis] += (push * pair.d[axis] - drag * pair.u[axis]) / c->mass;
 }
 
 static void add_wall(const Sweep *s, ptrdiff_t i, ptrdiff_t j, Rates *sum)
@@ -76,7 +76,7 @@ static void add_wall(const Sweep *s, ptrdiff_t i, ptrdiff_t j, Rates *sum)
   const double drag = pair_viscosity(volumes, p->mu[i], p->mu[i], per_sum(p->mu[i], p->mu[i]), F);
   sum->drho += pair_continuity(p->rho[i], volumes, moved.u_dot_d, F) / p->volume[i];
   for (int axis = 0; axis < 3; axis++) {
-    sum->force[axis] += push * stuck.d[axis] - drag * stuck.u[axis];
+    sum->a[axis] += (push * stuck.d[axis] - drag * stuck.u[axis]) / s->scale.mass;
     sum->away[axis] += p->volume[j] * F * stuck.d[axis];
   }
 }
