@@ -338,7 +338,9 @@ double contacts_share(const ContactRules *rules, const Particles *p, const Neigh
 {
   const Build build = begin_build(rules, p, neighbours);
   Touch touch;
-  measure(&build, i, k, &touch);
+  double way[3];
+  const double r2 = way_from_wall(&build, i, k, way);
+  measure(&build, i, k, way, r2, &touch);
   if (touch.area <= 0.0 || touch.distance < -behind * rules->sph->spacing) return 0.0;
   return touch.area / fmax(touch.distance, rules->least_distance);
 }
