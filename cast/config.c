@@ -256,6 +256,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   read_forces(yaml_require(root, "forces"), config);
   CAST_CALL(config_read_contact(yaml_require(root, "contact"), config, err));
   read_coupling(yaml_get(root, "coupling"), config);
+  CAST_CALL(config_read_walls(yaml_get(root, "walls"), config, err));
   read_sph(yaml_require(root, "sph"), config);
   read_time(yaml_require(root, "time"), config);
   CAST_CALL(read_part(yaml_get(root, "part"), config, err));
@@ -287,6 +288,7 @@ void cast_config_destroy(CastConfig **config)
                    old->output.folder, old->input_path, old->input_text};
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);
   free(old->block);
+  free(old->wall);
   free(old->part);
   free(old->output.probe);
   free(old->output.tracer);

@@ -62,6 +62,8 @@ typedef struct CastConfig {
   CoolConfig cool;
   double step; // s; 0: from the limits of sph_time_step and of the exchange with the mould
   RomScheme scheme;
+  size_t n_walls;
+  OuterWall *wall;               // outer surfaces under other conditions than in the ROM
   size_t n_part;                 // cavity surfaces that make up the part; 0: not said
   char (*part)[ROM_NAME_LENGTH]; // [n_part]
   OutputConfig output;

@@ -167,6 +167,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   config_put_contact(out, c);
   fprintf(out, "coupling: { kind: %s, mould: %s }\n", c->coupling.kind == COUPLING_SURFACE ? "surface" : "embedded",
           c->coupling.mould_frozen ? "frozen" : "live");
+  config_put_walls(out, c);
   put_sph(out, c, sound_speed);
   fprintf(out, "time:\n  end: %.17g s\n", c->end);
   put_cool(out, &c->cool);

@@ -21,12 +21,21 @@ static CastStatus first_rates(Sim *sim, CastError *err)
   return CAST_OK;
 }
 
+static CastStatus set_walls(Sim *sim, CastError *err)
+{
+  const CastConfig *c = sim->config;
+  if (c->n_walls == 0) return CAST_OK;
+  CAST_CALL(outer_walls_create(sim->rom, c->n_walls, c->wall, c->input_path, c->ambient, &sim->walls, err));
+  return rom_state_set_walls(sim->mould, sim->walls, err);
+}
+
 static CastStatus build(Sim *sim, CastError *err)
 {
   const CastConfig *c = sim->config;
   CAST_CALL(sim_setup_geometry(sim, err));
   CAST_CALL(sim_setup_particles(sim, err));
   CAST_CALL(rom_state_create(sim->rom, c->scheme, c->preheat, c->ambient, &sim->mould, err));
+  CAST_CALL(set_walls(sim, err));
   CAST_CALL(neighbours_create(kernel_support(c->kernel) * sim->sph.h, neighbours_skin(c->spacing), sim->surface,
                               &sim->neighbours, err));
   neighbours_suit_skin(sim->neighbours, c->spacing, sph_sound_step(&sim->sph, 0.0));
@@ -59,6 +68,7 @@ void sim_destroy(Sim **sim)
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);
   rom_state_destroy(&s->mould);
+  outer_walls_destroy(&s->walls);
   particles_destroy(&s->particles);
   surface_destroy(&s->surface);
   if (s->rom != s->config->loaded_rom) rom_destroy(&s->rom);

@@ -23,6 +23,7 @@ struct SimOutput {
   SimCurves *curves;
   HeatRecorder *recorder;      // NULL: not wanted
   WallHeat *wall_heat;         // NULL: heat is recorded by patch only
+  double *flow;                // [m] W, the melt's and the outer walls', for the record
   double next_frame, next_row; // s
   double last_frame;           // s; NAN: none yet
 };
@@ -52,12 +53,16 @@ CastStatus sim_output_record(Sim *sim, CastError *err)
 {
   SimOutput *out = sim->output;
   if (!out || !out->recorder) return CAST_OK;
-  const double *power = NULL;
+  const double *power = NULL, dt = sim->counts.dt;
+  double *flow = out->flow;
   if (out->wall_heat)
     CAST_CALL(wall_heat_power(out->wall_heat, sim->coupling, &sim->particles, sim->neighbours, &power, err));
+  for (size_t l = 0; l < sim->rom->m; l++) flow[l] = 0.0;
+  rom_state_take_wall_heat(sim->mould, flow);
+  for (size_t l = 0; l < sim->rom->m; l++) flow[l] = coupling_flow(sim->coupling)[l] + flow[l] / dt;
   CastStatus (*add)(HeatRecorder *, double, double, const double *, const double *, CastError *) =
       sim->cool ? heat_recorder_add_interval : heat_recorder_add;
-  return add(out->recorder, sim->counts.time, sim->counts.dt, coupling_flow(sim->coupling), power, err);
+  return add(out->recorder, sim->counts.time, dt, flow, power, err);
 }
 
 /* The first multiple of `every` after t; every 0: each step. */
@@ -165,6 +170,8 @@ static CastStatus open_record(Sim *sim, const size_t *rows, CastError *err)
   SimOutput *out = sim->output;
   const CastConfig *c = sim->config;
   if (!(c->output.record_every > 0.0)) return CAST_OK;
+  out->flow = calloc(sim->rom->m, sizeof *out->flow);
+  CAST_CHECK(out->flow, err, CAST_ERR_MEMORY, "no memory to record the heat of %zu patches", sim->rom->m);
   if (c->output.record_triangles)
     CAST_CALL(wall_heat_create(sim->rom, sim->surface, &sim->particles, &out->wall_heat, err));
   const HeatRecorderSetup setup = {.every = c->output.record_every,
@@ -260,6 +267,7 @@ void sim_output_destroy(SimOutput **output)
   sim_curves_destroy(&out->curves);
   heat_recorder_close(&out->recorder);
   wall_heat_destroy(&out->wall_heat);
+  free(out->flow);
   provenance_release(&out->provenance);
   free(out);
   *output = NULL;

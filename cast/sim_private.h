@@ -60,6 +60,7 @@ struct Sim {
   ptrdiff_t n_ids;                // fluid particles at the start
   double box_low[3], box_high[3]; // m; melt outside is taken out
   RomState *mould;
+  OuterWalls *walls; // NULL: as in the ROM
   Neighbours *neighbours;
   Coupling *coupling;
   Filling *filling;

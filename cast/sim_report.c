@@ -35,6 +35,19 @@ static void report_melt(const Sim *sim)
              across, 1e3 * sim->gap / 4.0);
 }
 
+/* Outer walls that are not as the ROM has them. */
+static void report_walls(const Sim *sim)
+{
+  for (size_t i = 0; i < sim->config->n_walls; i++) {
+    const OuterWall *wall = &sim->config->wall[i];
+    const RomPatch *patch = &sim->rom->patch[outer_walls_patch(sim->walls, i)];
+    log_info(sim->log,
+             "wall      %-12s h = %.4g W/(m2 K) (%.4g in the ROM), surroundings at %.1f degC, emissivity %.2g",
+             wall->surface, isnan(wall->h) ? patch->h : wall->h, patch->h,
+             (isnan(wall->ambient) ? sim->config->ambient : wall->ambient) - 273.15, wall->emissivity);
+  }
+}
+
 /* Does the melt suffice? Features that hold melt at the start (a pouring cup) need not be full at the end. */
 static void report_volumes(const Sim *sim)
 {
@@ -92,6 +105,7 @@ CastStatus sim_report(Sim *sim, CastError *err)
   filling_update(sim->filling, &sim->particles, 0.0);
   log_info(sim->log, "%s", sim->config->title);
   report_mould(sim);
+  report_walls(sim);
   report_melt(sim);
   report_volumes(sim);
   report_steps(sim);

@@ -41,6 +41,10 @@ struct RomState {
   size_t n_chunks;
   double *partial;    // [n_chunks*m] K, each chunk's part of the patch temperatures
   double *chunk_loss; // [n_chunks] J
+  OuterWalls *walls;  // borrowed; NULL: the ROM's own conditions hold
+  double *wall_heat;  // [walls] J since last taken
+  double *wall_flow, *flow; // [walls], [m] W, of a step
+  double *T_free;           // [walls] K, at its end without these
 };
 
 static void compensated_add(Compensated *sum, double term)
@@ -103,8 +107,38 @@ void rom_state_destroy(RomState **state)
   free(s->temperature);
   free(s->partial);
   free(s->chunk_loss);
+  free(s->wall_heat);
+  free(s->wall_flow);
+  free(s->T_free);
+  free(s->flow);
   free(s);
   *state = NULL;
+}
+
+CastStatus rom_state_set_walls(RomState *s, OuterWalls *walls, CastError *err)
+{
+  const size_t n = outer_walls_n(walls);
+  s->wall_heat = calloc(n + 1, sizeof(double));
+  s->wall_flow = calloc(n + 1, sizeof(double));
+  s->T_free = calloc(n + 1, sizeof(double));
+  s->flow = calloc(s->rom->m, sizeof(double));
+  CAST_CHECK(s->wall_heat && s->wall_flow && s->T_free && s->flow, err, CAST_ERR_MEMORY,
+             "mould: no memory for %zu outer walls", n);
+  s->walls = walls;
+  return CAST_OK;
+}
+
+static size_t n_walls(const RomState *s)
+{
+  return s->walls ? outer_walls_n(s->walls) : 0;
+}
+
+void rom_state_take_wall_heat(RomState *s, double *heat)
+{
+  for (size_t i = 0; i < n_walls(s); i++) {
+    heat[outer_walls_patch(s->walls, i)] += s->wall_heat[i];
+    s->wall_heat[i] = 0.0;
+  }
 }
 
 /* ---- the step ---- */
@@ -180,11 +214,41 @@ static void step_chunk(RomState *s, size_t chunk, const double *q)
   s->chunk_loss[chunk] = loss;
 }
 
+/* Temperatures of the walls' patches after the step with the flows q alone. */
+static void look_ahead(RomState *s, const double *q)
+{
+  const RomData *rom = s->rom;
+  const size_t n = outer_walls_n(s->walls);
+  for (size_t i = 0; i < n; i++) s->T_free[i] = s->preheat;
+  for (size_t k = 0; k < rom->r; k++) {
+    const double *row = rom->B + k * rom->m, z = s->z[k] + s->z_low[k];
+    const double all = dot(row, q, rom->m) + rom->ambient[k] * (s->ambient - s->preheat);
+    const double after = z + s->phi[k] * (all - rom->lambda[k] * z);
+    for (size_t i = 0; i < n; i++) s->T_free[i] += row[outer_walls_patch(s->walls, i)] * after;
+  }
+}
+
+/* The melt's flows and the walls', which leave the books as a loss of the other sign. */
+static const double *add_walls(RomState *s, const double *q, double dt)
+{
+  look_ahead(s, q);
+  const OuterStep step = {dt, s->phi, s->temperature, s->T_free};
+  outer_walls_flows(s->walls, &step, s->wall_flow);
+  memcpy(s->flow, q, s->rom->m * sizeof *s->flow);
+  for (size_t i = 0; i < outer_walls_n(s->walls); i++) {
+    s->flow[outer_walls_patch(s->walls, i)] += s->wall_flow[i];
+    s->wall_heat[i] += s->wall_flow[i] * dt;
+    compensated_add(&s->lost, -s->wall_flow[i] * dt);
+  }
+  return s->flow;
+}
+
 void rom_state_step(RomState *s, const double *q, double dt)
 {
   const size_t m = s->rom->m;
   const bool threads = (double)s->rom->r * (double)m > PARALLEL_SIZE;
   set_step(s, dt);
+  if (s->walls) q = add_walls(s, q, dt);
 #pragma omp parallel for schedule(static) if (threads)
   for (size_t chunk = 0; chunk < s->n_chunks; chunk++) step_chunk(s, chunk, q);
   for (size_t l = 0; l < m; l++) s->temperature[l] = s->preheat;
@@ -351,7 +415,7 @@ CastStatus rom_state_step_matrix(const RomState *s, double dt, size_t n, const i
 
 size_t rom_state_size(const RomState *s)
 {
-  return 3 + 2 * s->rom->r + s->rom->m;
+  return 3 + 2 * s->rom->r + s->rom->m + n_walls(s);
 }
 
 void rom_state_save(const RomState *s, double *buffer)
@@ -363,6 +427,7 @@ void rom_state_save(const RomState *s, double *buffer)
   memcpy(buffer + 3, s->z, r * sizeof *buffer);
   memcpy(buffer + 3 + r, s->z_low, r * sizeof *buffer);
   memcpy(buffer + 3 + 2 * r, s->temperature, m * sizeof *buffer);
+  if (s->walls) memcpy(buffer + 3 + 2 * r + m, s->wall_heat, n_walls(s) * sizeof *buffer);
 }
 
 void rom_state_restore(RomState *s, const double *buffer)
@@ -373,4 +438,5 @@ void rom_state_restore(RomState *s, const double *buffer)
   memcpy(s->z, buffer + 3, r * sizeof *buffer);
   memcpy(s->z_low, buffer + 3 + r, r * sizeof *buffer);
   memcpy(s->temperature, buffer + 3 + 2 * r, m * sizeof *buffer);
+  if (s->walls) memcpy(s->wall_heat, buffer + 3 + 2 * r + m, n_walls(s) * sizeof *buffer);
 }

@@ -3,7 +3,7 @@
 #ifndef CAST_MOULD_ROM_STATE_H
 #define CAST_MOULD_ROM_STATE_H
 
-#include "common/rom.h"
+#include "cast/mould/outer_walls.h"
 
 typedef enum RomScheme { ROM_EXPONENTIAL, ROM_BACKWARD_EULER } RomScheme;
 
@@ -13,6 +13,11 @@ typedef struct RomState RomState;
 CastStatus rom_state_create(const RomData *rom, RomScheme scheme, double preheat, double ambient, RomState **state,
                             CastError *err);
 void rom_state_destroy(RomState **state);
+/* From now on these conditions hold on outer surfaces; what they take counts as lost. Before the first step.
+ *   walls  borrowed, must outlive the state. Errors: CAST_ERR_MEMORY. */
+CastStatus rom_state_set_walls(RomState *state, OuterWalls *walls, CastError *err);
+/* Add the joules that came in through such walls since this was last asked to heat [m]. */
+void rom_state_take_wall_heat(RomState *state, double *heat);
 /* One step of dt with the heat flows q [m] W, constant over it; patch temperatures are refreshed. */
 void rom_state_step(RomState *state, const double *q, double dt);
 double rom_state_time(const RomState *state);
@@ -21,8 +26,8 @@ const double *rom_state_patch_temperature(const RomState *state); // [m] K
 const double *rom_state_z(const RomState *state);                 // [r]
 double rom_state_preheat(const RomState *state);
 double rom_state_heat(const RomState *state); // J above preheat, constant^T z: from the state, not from the flows
-double
-rom_state_lost(const RomState *state); // J to the surroundings so far: exact integral of the losses over each step
+double rom_state_lost(const RomState *state); // J to the surroundings so far: exact integral of the losses over each
+                                              // step, and what left through walls with conditions of their own
 /* Largest eigenvalue of D^(1/2) G(dt) D^(1/2), dimensionless: G(dt) = B^T phi(Lambda, dt) B, K/W, is what a flow of one
  * step adds to the patch temperatures, D = diag(conductance) what a patch temperature takes off the flows.
  *   conductance  [m] W/K, >= 0 */

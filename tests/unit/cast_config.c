@@ -242,6 +242,28 @@ static void contact_tables_and_surfaces_arrive_and_are_written_again(void **stat
   cast_config_destroy(&config);
 }
 
+static void outer_walls_arrive_and_are_written_again(void **state)
+{
+  (void)state;
+  CastConfig *config = read_with_contact("{ perfect: true }\nwalls: { side: { h: 20 W/m^2/K, ambient: 25 degC, "
+                                         "emissivity: 0.85 }, rim: { emissivity: 0.3 } }");
+  for (int turn = 0; turn < 2; turn++) {
+    assert_int_equal(config->n_walls, 2);
+    assert_string_equal(config->wall[0].surface, "side");
+    assert_close(config->wall[0].h, 20.0, 0.0);
+    assert_close(config->wall[0].ambient, 298.15, 1e-9);
+    assert_close(config->wall[0].emissivity, 0.85, 0.0);
+    assert_true(isnan(config->wall[1].h) && isnan(config->wall[1].ambient)); // the ROM's, the run's
+    char *resolved = NULL;
+    CastError err = {0};
+    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
+    cast_config_destroy(&config);
+    config = read_text(resolved, "/elsewhere/resolved.yaml");
+    free(resolved);
+  }
+  cast_config_destroy(&config);
+}
+
 static void a_sound_speed_that_was_chosen_stands_in_the_resolved_input(void **state)
 {
   (void)state;
@@ -292,6 +314,7 @@ int main(void)
       cmocka_unit_test(every_option_arrives),
       cmocka_unit_test(the_resolved_input_reads_again_to_the_same_bits),
       cmocka_unit_test(contact_tables_and_surfaces_arrive_and_are_written_again),
+      cmocka_unit_test(outer_walls_arrive_and_are_written_again),
       cmocka_unit_test(a_sound_speed_that_was_chosen_stands_in_the_resolved_input),
       cmocka_unit_test(all_faults_are_told_at_once),
   };
