@@ -16,6 +16,8 @@ static const PetscReal REFERENCE_SHARE = 0.01;  // of the tolerance: the referen
 static const PetscReal FIRST_STAGE_SHARE = 0.6; // of the tolerance, where a second stage follows
 static const PetscReal MODES_RTOL = 1e-11;      // what shift-and-invert Lanczos needs inside
 static const PetscReal STORED_RTOL = 1e-12;     // moments build on one another
+static const PetscReal DIRECTION_SHARE = 0.25;  // of what is allowed: smaller errors bring no vector
+static const PetscReal AMBIENT_H = 20.0;        // W/(m2 K): gives the ambient port an area among the patches'
 static const PetscReal POLE_REACH = 2.2;        // a shift within this ratio of a window's pole serves it
 
 PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log, Reduction **out)
@@ -188,21 +190,76 @@ PetscReal reduction_first_stage_target(const ReductionConfig *config)
   return config->tolerance * (config->second_stage ? FIRST_STAGE_SHARE : 1.0);
 }
 
+/* The largest error of H at the real rate s that the tolerance allows, in the weighted 2-norm. */
+static PetscReal allowed_at(const Reduction *reduction, PetscReal s, const PetscReal *weight)
+{
+  const ModalModel *modal = reduction->modal;
+  PetscReal largest = 0.0; // diagonal entry of D H_r D: a lower bound of its norm
+  for (PetscInt l = 0; l < modal->p; l++) {
+    PetscReal entry = 0.0;
+    for (PetscInt k = 0; k < modal->r; k++)
+      entry += modal->B[k * modal->p + l] * modal->B[k * modal->p + l] / (s + modal->lambda[k]);
+    largest = PetscMax(largest, weight[l] * weight[l] * entry);
+  }
+  return reduction_first_stage_target(reduction->config) * largest;
+}
+
+/* One vector more at shift s for each direction of the inputs whose error there is above a share of what is allowed. */
+static PetscErrorCode take_directions(Reduction *reduction, PetscReal s)
+{
+  KrylovBasis *basis = reduction->basis;
+  const double start = log_wall_time();
+  Residual *residual;
+  PetscReal *weight, largest;
+  PetscInt k = 0, kept = 0;
+  Mat X, block;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)reduction->p, &weight));
+  for (PetscInt l = 0; l < reduction->p; l++)
+    weight[l] = l < reduction->system->m ? sqrt(reduction->system->area[l]) : 0.0;
+  if (reduction->p > reduction->system->m) // the ambient acts on the outer walls: no area of its own
+    weight[reduction->p - 1] = sqrt(reduction->ambient_sum / AMBIENT_H);
+  PetscCall(residual_create(basis, reduction->modal, &residual));
+  const PetscReal allowed = allowed_at(reduction, s, weight);
+  PetscCall(residual_directions(residual, reduction->modal, reduction->solver, s, weight, DIRECTION_SHARE * allowed, &X,
+                                &largest));
+  PetscCall(reduction_record_shift(reduction, s));
+  if (X) {
+    PetscCall(MatGetSize(X, NULL, &k));
+    PetscCall(krylov_basis_get_block(basis, k, &block));
+    PetscCall(dense_block_copy(block, 0, X, NULL, k));
+    PetscCall(krylov_basis_add(basis, &block, &kept));
+    PetscCall(MatDestroy(&X));
+  }
+  log_info(
+      reduction->log,
+      "shift %.3g 1/s: the error of H is %.2g of what is allowed, in %d of %d directions it matters: %d kept, %d in "
+      "all; %.1f s (%s)",
+      (double)s, (double)(largest / allowed), (int)k, (int)reduction->p, (int)kept, (int)basis->r,
+      log_wall_time() - start, shifted_solver_get_name(reduction->solver));
+  PetscCall(residual_destroy(&residual));
+  PetscCall(PetscFree(weight));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* More shifts where the step responses are worst, with the directions that the residual asks for there. */
 static PetscErrorCode add_shifts(Reduction *reduction)
 {
   const StepReference *reference = reduction->reference;
+  const PetscReal target = reduction_first_stage_target(reduction->config);
   PetscReal *error, s;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((size_t)reference->n_times, &error));
   PetscCall(reduction_judge(reduction, error));
-  for (PetscInt added = 0; reduction->step_error > reduction_first_stage_target(reduction->config); added++) {
-    if (reduction->config->n_shifts > 0 || added == REDUCTION_MOST_ADDED_SHIFTS)
-      break; // the user's own shifts stand as they are
+  for (PetscInt added = 0; reduction->step_error > target; added++) {
+    if (reduction->config->n_shifts > 0) break; // the user's own shifts stand as they are
+    if (added == REDUCTION_MOST_ADDED_SHIFTS) break;
     PetscCall(shifts_suggest(reduction->n_shifts, reduction->shifts, reference->n_times, reference->time, error, &s));
     log_info(reduction->log, "step responses: error %.2e of the rise, %.2e is needed: one more shift at %.3g 1/s",
-             (double)reduction->step_error, (double)reduction_first_stage_target(reduction->config), (double)s);
-    PetscCall(take_shift(reduction, s, 1));
+             (double)reduction->step_error, (double)target, (double)s);
+    PetscCall(take_directions(reduction, s));
     PetscCall(reduction_judge(reduction, error));
   }
   PetscCall(PetscFree(error));

@@ -33,6 +33,12 @@ PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, 
  * where it is below `negligible`; else 2 p solves are made. */
 PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
                                ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible, PetscReal *defect);
+/* The directions in which the error of H at the real rate s, 1/s, is above `least`, and its largest value:
+ *   D (H - H_r)(s) D = D Phi^T R_0^T (s E + K)^-1 R_0 Phi D,  D = diag(weight) [p],
+ * whose eigenvectors U with larger eigenvalues [k] give X = (s E + K)^-1 R(s) D U, [n x k], what the basis lacks most.
+ * The solver takes the shift s. X: caller destroys; NULL where k = 0. */
+PetscErrorCode residual_directions(const Residual *residual, const ModalModel *model, ShiftedSolver *solver,
+                                   PetscReal s, const PetscReal *weight, PetscReal least, Mat *X, PetscReal *largest);
 PetscErrorCode residual_destroy(Residual **residual);
 
 #endif

@@ -7,6 +7,7 @@
 #include "reduce/mor/dense_block.h"
 #include "reduce/mor/krylov_basis.h"
 #include "reduce/mor/lanczos.h"
+#include "reduce/mor/residual.h"
 #include "reduce/mor/second_stage.h"
 #include "reduce/mor/shifts.h"
 #include "reduce/mor/small_dense.h"
@@ -119,6 +120,78 @@ static void lanczos_step_responses_agree_with_time_integration(void **state)
   TEST_PETSC(lanczos_destroy(&lanczos));
   TEST_PETSC(shifted_solver_destroy(&solver));
   TEST_PETSC(PetscFree2(exact, ours));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+/* H - H_r at the real s, [m x m], of the one-shift basis. */
+static void error_at(const ThermalSystem *system, ShiftedSolver *solver, const ModalModel *model, PetscReal s,
+                     PetscReal *error)
+{
+  const PetscInt m = system->m;
+  Mat X;
+  TEST_PETSC(shifted_solver_set_shift(solver, s, m));
+  TEST_PETSC(dense_block_create(system->E, m, &X));
+  TEST_PETSC(shifted_solver_solve(solver, system->B, X));
+  TEST_PETSC(dense_block_inner(system->B, X, error));
+  for (PetscInt k = 0; k < model->r; k++)
+    for (PetscInt j = 0; j < m; j++)
+      for (PetscInt i = 0; i < m; i++)
+        error[i + j * m] -= model->B[k * m + i] * model->B[k * m + j] / (s + model->lambda[k]);
+  TEST_PETSC(MatDestroy(&X));
+}
+
+/* The residual knows the error of H where nothing was solved for, and asks for the directions that carry it: with all
+ * of them in the basis the error there is gone, with the larger ones it is below what was to be left. */
+static void residual_directions_carry_the_error(void **state)
+{
+  (void)state;
+  enum { MOST = 16 };
+  const PetscReal s = 10.0;
+  MouldCase mould;
+  KrylovBasis *basis;
+  ShiftedSolver *solver;
+  Residual *residual;
+  ModalModel *model;
+  Mat X, block;
+  PetscInt kept, k;
+  PetscReal error[MOST * MOST], value[MOST], weight[MOST], largest;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &mould));
+  const PetscInt m = mould.system->m;
+  assert_true(m <= MOST);
+  for (PetscInt l = 0; l < m; l++) weight[l] = 1.0;
+  TEST_PETSC(shifted_solver_create(mould.system, 1e-12, PETSC_FALSE, &solver));
+  TEST_PETSC(krylov_basis_create(mould.system, mould.system->B, 3 * m + 1, m, 1e-10, &basis));
+  TEST_PETSC(shifted_solver_set_shift(solver, 1.0, m));
+  TEST_PETSC(krylov_basis_get_block(basis, m, &block));
+  TEST_PETSC(shifted_solver_solve(solver, mould.system->B, block));
+  TEST_PETSC(krylov_basis_add(basis, &block, &kept));
+  for (int round = 0; round < 2; round++) {
+    TEST_PETSC(modal_model_create(PETSC_COMM_WORLD, basis->r, m, basis->K, basis->capacity, basis->inputs,
+                                  basis->constant, PETSC_FALSE, &model));
+    TEST_PETSC(residual_create(basis, model, &residual));
+    error_at(mould.system, solver, model, s, error);
+    TEST_PETSC(small_eigen(PETSC_COMM_WORLD, m, error, value));
+    const PetscReal least = round == 0 ? 0.5 * (value[m / 2] + value[m / 2 - 1]) : 0.0;
+    TEST_PETSC(residual_directions(residual, model, solver, s, weight, least, &X, &largest));
+    ASSERT_CLOSE(largest / value[m - 1], 1.0, 1e-6);
+    TEST_PETSC(MatGetSize(X, NULL, &k));
+    if (round == 0) assert_int_equal(k, m - m / 2);
+    TEST_PETSC(krylov_basis_get_block(basis, k, &block));
+    TEST_PETSC(dense_block_copy(block, 0, X, NULL, k));
+    TEST_PETSC(krylov_basis_add(basis, &block, &kept));
+    TEST_PETSC(MatDestroy(&X));
+    const PetscReal before = largest;
+    TEST_PETSC(modal_model_destroy(&model));
+    TEST_PETSC(modal_model_create(PETSC_COMM_WORLD, basis->r, m, basis->K, basis->capacity, basis->inputs,
+                                  basis->constant, PETSC_FALSE, &model));
+    error_at(mould.system, solver, model, s, error);
+    TEST_PETSC(small_eigen(PETSC_COMM_WORLD, m, error, value));
+    assert_true(value[m - 1] < (round == 0 ? 1.001 * least : 1e-8 * before));
+    TEST_PETSC(residual_destroy(&residual));
+    TEST_PETSC(modal_model_destroy(&model));
+  }
+  TEST_PETSC(krylov_basis_destroy(&basis));
+  TEST_PETSC(shifted_solver_destroy(&solver));
   TEST_PETSC(mould_case_destroy(&mould));
 }
 
@@ -265,6 +338,7 @@ int main(int argc, char **argv)
       cmocka_unit_test(every_solve_meets_the_tolerance_asked_for),
       cmocka_unit_test(high_shifts_do_without_a_factor),
       cmocka_unit_test(lanczos_step_responses_agree_with_time_integration),
+      cmocka_unit_test(residual_directions_carry_the_error),
       cmocka_unit_test(basis_drops_what_it_holds_already),
       cmocka_unit_test(second_stage_keeps_what_is_allowed_and_the_constant),
       cmocka_unit_test(balanced_truncation_keeps_its_bound_and_reaches_it_at_rest),
