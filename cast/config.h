@@ -30,7 +30,7 @@ typedef struct OutputConfig {
 typedef struct CoolConfig { // the second stage: melt at rest
   bool wanted;
   bool at_end;                // begin at the end of the filling's time, not when the melt is at rest
-  bool until_solid;           // end when all melt is below the solidus, `end` at the latest
+  bool until_solid;           // end when 99.9 % of the melt is solid, `end` at the latest
   double end;                 // s
   double tolerance;           // K
   double every, curves_every; // s between frames and between rows; 0: a row each step

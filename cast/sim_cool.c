@@ -8,7 +8,8 @@
 #include "cast/sim_private.h"
 
 static const double REST = 1e-4, REST_FOR = 10e-3; // of the peak kinetic energy; s
-enum { LOOK_EVERY = 8 };                           // steps
+static const double SOLID = 0.999; // a drop that touches nothing keeps its heat, and would keep a run from its end
+enum { LOOK_EVERY = 8 };           // steps
 
 double sim_end(const Sim *sim)
 {
@@ -120,11 +121,7 @@ CastStatus sim_cool_step(Sim *sim, CastError *err)
 bool sim_cool_is_over(const Sim *sim)
 {
   if (sim->counts.time >= sim->config->cool.end * (1.0 - 1e-12)) return true;
-  if (!sim->config->cool.until_solid) return false;
-  const Particles *p = &sim->particles;
-  for (ptrdiff_t i = 0; i < p->n_fluid; i++)
-    if (p->T[i] > sim->config->melt.solidus) return false;
-  return true;
+  return sim->config->cool.until_solid && sim_solid_part(sim, NULL) >= SOLID;
 }
 
 void sim_cool_keep(Sim *sim)

@@ -58,7 +58,8 @@ static const char EVERYTHING[] =
     "  density: summation\n"
     "  artificial_viscosity: 0.07\n"
     "  negative_pressure: cut\n"
-    "time: { end: 11.1 ms, step: 1.3 us, scheme: backward-euler }\n"
+    "time: { end: 11.1 ms, step: 1.3 us, scheme: backward-euler, cool: { end: 99.9 s, begin: at-end, tolerance: 0.7 K, "
+    "every: 3.3 s, curves_every: 0.2 s } }\n"
     "part: [disc, thin pins]\n"
     "output:\n"
     "  folder: /tmp/there\n"
@@ -121,6 +122,7 @@ static void every_option_arrives(void **state)
   assert_true(c->cut_tension);
   assert_close(c->step, 1.3e-6, 1e-21);
   assert_int_equal(c->scheme, ROM_BACKWARD_EULER);
+  assert_true(c->cool.wanted && c->cool.at_end && !c->cool.until_solid);
   assert_close(c->output.checkpoint_every, 420.0, 1e-12);
   assert_false(c->output.mould_fields);
   assert_int_equal(c->n_part, 2);
@@ -147,6 +149,10 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
                       a->output.every,
                       a->output.curves_every,
                       a->output.checkpoint_every,
+                      a->cool.end,
+                      a->cool.tolerance,
+                      a->cool.every,
+                      a->cool.curves_every,
                       a->melt.density,
                       a->melt.conductivity};
   const double w[] = {b->preheat,
@@ -163,6 +169,10 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
                       b->output.every,
                       b->output.curves_every,
                       b->output.checkpoint_every,
+                      b->cool.end,
+                      b->cool.tolerance,
+                      b->cool.every,
+                      b->cool.curves_every,
                       b->melt.density,
                       b->melt.conductivity};
   assert_memory_equal(u, w, sizeof u);
@@ -219,9 +229,10 @@ static CastConfig *read_with_contact(const char *contact)
 static void contact_tables_and_surfaces_arrive_and_are_written_again(void **state)
 {
   (void)state;
-  CastConfig *config = read_with_contact("{ h: { solid_fraction: [[0.3, 2000 W/m^2/K], [0.9, 200 W/m^2/K]] }, surfaces: "
-                                         "{ pins: { h: { temperature: [[700 degC, 0.5 kW/m^2/K]] } }, cup: { perfect: "
-                                         "true } } }");
+  CastConfig *config =
+      read_with_contact("{ h: { solid_fraction: [[0.3, 2000 W/m^2/K], [0.9, 200 W/m^2/K]] }, surfaces: "
+                        "{ pins: { h: { temperature: [[700 degC, 0.5 kW/m^2/K]] } }, cup: { perfect: "
+                        "true } } }");
   for (int turn = 0; turn < 2; turn++) {
     const ContactLaws *c = config->coupling.contact;
     assert_int_equal(c->elsewhere.basis, CONTACT_OF_SOLID_FRACTION);
