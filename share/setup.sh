@@ -24,3 +24,19 @@ setup_build() {
   [ -f "$folder/build.ninja" ] || meson setup "$folder" "$@" >/dev/null || { cat "$folder/meson-logs/meson-log.txt"; return 1; }
   ninja -C "$folder" --quiet
 }
+
+# Build, then run the example in the given folder: reduce its mould, cast into it, draw.
+setup_run_example() {
+  export OMP_WAIT_POLICY=passive # waiting threads sleep: kinder, and on a shared machine much faster
+  setup_packages
+  setup_build build
+  local build=$PWD/build
+  cd "$1"
+  "$build/reduce/castreduce" run mould.yaml
+  "$build/cast/castrun" run cast.yaml
+  "$build/cast/castrun" draw results
+  echo
+  echo "Results:  $PWD/results   (results.xmf and mould.xmf open in ParaView)"
+  echo "Picture:  $PWD/results/filling.png"
+  echo "Summary:  $PWD/results/summary.txt"
+}
