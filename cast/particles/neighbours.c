@@ -24,7 +24,6 @@ struct Neighbours {
   ptrdiff_t n_wall;       // -1: walls not sorted yet
   double *built_at[3];    // [n_fluid] positions when the lists were built
   uint8_t *thin;          // [n_fluid] a thin mould wall is near
-  double *swap;           // [n_fluid] room for sorting
   ptrdiff_t n_fluid, capacity;
   PairList fluid_fluid, fluid_wall, wall_fluid;
   RowBuffers buffers;
@@ -95,7 +94,6 @@ void neighbours_destroy(Neighbours **neighbours)
     free(nb->built_at[d]);
   }
   free(nb->thin);
-  free(nb->swap);
   pair_list_free(&nb->fluid_fluid);
   pair_list_free(&nb->fluid_wall);
   pair_list_free(&nb->wall_fluid);
@@ -172,7 +170,7 @@ static CastStatus reserve_fluid(Neighbours *nb, ptrdiff_t n, CastError *err)
   nb->n_fluid = n;
   if (n <= nb->capacity) return CAST_OK;
   const size_t bytes = (size_t)n * sizeof(double);
-  double **const room[] = {&nb->built_at[0], &nb->built_at[1], &nb->built_at[2], &nb->swap};
+  double **const room[] = {&nb->built_at[0], &nb->built_at[1], &nb->built_at[2]};
   bool ok = true;
   for (size_t r = 0; r < sizeof room / sizeof *room; r++) {
     free(*room[r]);
@@ -205,8 +203,9 @@ static void sort_fluid(Neighbours *nb, Particles *p)
   particles_fields(p, field);
   const ptrdiff_t n = p->n_fluid;
   const int32_t *order = nb->fluid_cells.order;
-  double *swap = nb->swap;
-  int32_t *swap_id = (int32_t *)nb->swap;
+  // records are made anew before each sweep: until then there is room in them
+  double *swap = (double *)(void *)p->record;
+  int32_t *swap_id = (int32_t *)(void *)p->record;
 #pragma omp parallel
   {
     for (int f = 0; f < PARTICLE_FIELDS; f++) {
