@@ -61,6 +61,14 @@ PAIR_INLINE void set_wall(const Sweep *s, ptrdiff_t k, const WallSums *sum, Reco
   record[REC_WALL_MASS].value = (float)(p->rho[i] * p->volume[i] / c->mass);
 }
 
+/* A neighbour out of reach of `me`, half of all places away: W = 0. */
+PAIR_INLINE void far_filler(const RecordField *me, RecordField filler[RECORD_SIZE])
+{
+  for (int f = 0; f < RECORD_SIZE; f++) filler[f] = f <= REC_Z ? me[f] : (RecordField){.value = 0.0F};
+  filler[REC_X].place ^= 0x80000000U;
+  filler[REC_VOLUME].value = 1.0F; // is divided by
+}
+
 PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, ptrdiff_t end)
 {
   const Particles *p = s->p;
@@ -71,10 +79,12 @@ PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, p
     const ptrdiff_t i = p->n_fluid + k;
     RecordField *me = p->record + i * RECORD_SIZE;
     for (int d = 0; d < 3; d++) me[REC_X + d] = sweep_place(&s->scale, d, p->x[d][i]);
+    _Alignas(16) RecordField filler[RECORD_SIZE];
+    far_filler(me, filler);
     WallSums sum = {0};
     for (ptrdiff_t l = list->start[k]; l < list->start[k + 1]; l += BLOCK_PAIRS) {
-      const ptrdiff_t left = list->start[k + 1] - l, n = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
-      block_fill(&block, REC_P + 1, p->record, list->index + l, n, p->record); // no filler has W = 0: sum the real ones
+      const ptrdiff_t left = list->start[k + 1] - l, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
+      const ptrdiff_t n = block_fill(&block, REC_P + 1, p->record, list->index + l, most, filler);
       extrapolate(s, kernel, me, &block, n, &sum);
     }
     set_wall(s, k, &sum, me);
