@@ -49,7 +49,7 @@ static PetscErrorCode remember_error(MPI_Comm comm, int line, const char *functi
   (void)comm;
   if (type != PETSC_ERROR_INITIAL && failure->seen) return code;
   failure->seen = true;
-  if (code == PETSC_ERR_USER)
+  if (code == PETSC_ERR_USER || code == PETSC_ERR_NOT_CONVERGED) // what a user can mend
     snprintf(failure->message, sizeof failure->message, "%s", message ? message : "unknown error");
   else
     snprintf(failure->message, sizeof failure->message, "%s (error %d in %s, %s:%d)",

@@ -1,6 +1,6 @@
 #include "reduce/io/matrix_system.h"
 
-#include <math.h>
+#include <petscksp.h>
 #include <stdlib.h>
 #include "reduce/collective.h"
 #include "reduce/io/matrix_files.h"
@@ -67,6 +67,38 @@ static PetscErrorCode find_ambient(Mat K, const char *path, Vec *ambient)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The 2 x 2 minors were positive; conjugate gradients meet a negative direction, if there is one, with any right-hand
+ * side that has a part in it, and a random one has. A heat capacity is well conditioned: some tens of steps. */
+static PetscErrorCode check_positive(Mat E, const char *path)
+{
+  KSPConvergedReason reason;
+  PetscRandom random;
+  Vec b, x;
+  PC pc;
+  KSP ksp;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatCreateVecs(E, &x, &b));
+  PetscCall(PetscRandomCreate(PetscObjectComm((PetscObject)E), &random)); // its seed is fixed
+  PetscCall(VecSetRandom(b, random));
+  PetscCall(PetscRandomDestroy(&random));
+  PetscCall(KSPCreate(PetscObjectComm((PetscObject)E), &ksp));
+  PetscCall(KSPSetOperators(ksp, E, E));
+  PetscCall(KSPSetType(ksp, KSPCG));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCJACOBI));
+  PetscCall(KSPSetTolerances(ksp, 1e-12, PETSC_DEFAULT, PETSC_DEFAULT, 500));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(KSPDestroy(&ksp));
+  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroy(&x));
+  PetscCheck(reason != KSP_DIVERGED_INDEFINITE_MAT && reason != KSP_DIVERGED_NANORINF, PetscObjectComm((PetscObject)E),
+             PETSC_ERR_USER,
+             "%s: E is not positive definite: there is a temperature field that it gives a negative heat", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode build(MPI_Comm comm, const ReduceConfig *config, MatrixFiles *files, ThermalSystem **system)
 {
   Mat E, K, B;
@@ -81,6 +113,7 @@ static PetscErrorCode build(MPI_Comm comm, const ReduceConfig *config, MatrixFil
   PetscCall(distribute(comm, &files->E, files->n, 1.0, &E));
   PetscCall(distribute(comm, &files->K, files->n, config->matrices->K_is_A ? -1.0 : 1.0, &K));
   PetscCall(distribute_inputs(comm, &files->B, files->m, E, &B));
+  PetscCall(check_positive(E, config->matrices->E));
   PetscCall(find_ambient(K, config->matrices->K, &ambient));
   PetscCall(thermal_system_wrap(E, K, B, ambient, files->area, system));
   PetscCall(MatDestroy(&E));

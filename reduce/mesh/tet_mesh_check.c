@@ -184,14 +184,29 @@ static void check_connected(Checker *checker)
 }
 
 typedef struct Edge {
-  int32_t low, high;
+  int32_t low, high, triangle;
 } Edge;
 
 static int by_ends(const void *left, const void *right)
 {
   const Edge *a = left, *b = right;
   if (a->low != b->low) return a->low < b->low ? -1 : 1;
-  return (a->high > b->high) - (a->high < b->high);
+  if (a->high != b->high) return a->high < b->high ? -1 : 1;
+  return (a->triangle > b->triangle) - (a->triangle < b->triangle);
+}
+
+/* Surfaces of the n triangles at an edge, each name once: "'cup' and 'hull'". */
+static void name_surfaces(const Checker *checker, const Edge *edge, size_t n, char *text, size_t size)
+{
+  text[0] = '\0';
+  for (size_t i = 0; i < n; i++) {
+    char name[NAME_LENGTH + 8];
+    if (checker->mesh->triangle_surface[edge[i].triangle] < 0) continue; // which is a fault of its own
+    snprintf(name, sizeof name, "'%s'", surface_name(checker, edge[i].triangle));
+    if (strstr(text, name) || strlen(text) + strlen(name) + 6 > size) continue;
+    if (text[0]) strcat(text, " and ");
+    strcat(text, name);
+  }
 }
 
 /* A boundary edge belongs to two triangles; at one with four the cavity touches itself or the outside, and inside and
@@ -204,17 +219,19 @@ static CastStatus check_edges(Checker *checker, CastError *err)
   CAST_CHECK(edges, err, CAST_ERR_MEMORY, "no memory to check the mesh");
   for (size_t i = 0; i < n; i++) {
     const int32_t a = mesh->triangle[i], b = mesh->triangle[i - i % 3 + (i + 1) % 3];
-    edges[i] = (Edge){a < b ? a : b, a < b ? b : a};
+    edges[i] = (Edge){a < b ? a : b, a < b ? b : a, (int32_t)(i / 3)};
   }
   qsort(edges, n, sizeof *edges, by_ends);
   for (size_t i = 0, next; i < n; i = next) {
-    for (next = i + 1; next < n && by_ends(&edges[next], &edges[i]) == 0;) next++;
+    for (next = i + 1; next < n && edges[next].low == edges[i].low && edges[next].high == edges[i].high;) next++;
     if (next - i == 2) continue;
     double at[3];
+    char names[4 * NAME_LENGTH];
     centre_of(mesh, &edges[i].low, 1, at);
+    name_surfaces(checker, &edges[i], next - i, names, sizeof names);
     faults_add(&checker->faults,
-               "the boundary touches itself at (%.6g, %.6g, %.6g) mm: %zu triangles share an edge there", at[0], at[1],
-               at[2], next - i);
+               "the boundary touches itself at (%.6g, %.6g, %.6g) mm: %zu triangles share an edge there, of %s", at[0],
+               at[1], at[2], next - i, names);
   }
   free(edges);
   return CAST_OK;

@@ -26,7 +26,7 @@ PetscErrorCode modal_model_create(MPI_Comm comm, PetscInt r, PetscInt p, const P
     for (size_t i = 0; i < size; i++) model->Q[i + j * size] = 0.5 * (K[i + j * (size_t)ld] + K[j + i * (size_t)ld]);
   PetscCall(small_eigen(comm, r, model->Q, model->lambda));
   const PetscReal rounding = 1e-12 * model->lambda[r - 1];
-  PetscCheck(model->lambda[0] >= -rounding, comm, PETSC_ERR_PLIB,
+  PetscCheck(model->lambda[0] >= -rounding, comm, PETSC_ERR_USER,
              "the reduced K has the eigenvalue %g 1/s below zero: K is not positive semi-definite",
              (double)model->lambda[0]);
   for (PetscInt k = 0; k < r; k++) model->lambda[k] = PetscMax(model->lambda[k], 0.0);

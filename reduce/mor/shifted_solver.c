@@ -169,8 +169,9 @@ PetscErrorCode shifted_solver_set_shift(ShiftedSolver *solver, PetscReal s, Pets
   if (s == solver->shift) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(s >= 0.0, PetscObjectComm((PetscObject)solver->A), PETSC_ERR_ARG_OUTOFRANGE,
              "expansion point %g 1/s: a real shift of 0 or more is expected", (double)s);
-  PetscCheck(s > 0.0 || !system->singular, PetscObjectComm((PetscObject)solver->A), PETSC_ERR_ARG_WRONGSTATE,
-             "expansion point 0: nothing fixes the mould's temperature (all walls are insulated), so K is singular and "
+  PetscCheck(s > 0.0 || !system->singular, PetscObjectComm((PetscObject)solver->A), PETSC_ERR_USER,
+             "expansion point 0 (reduction.s0): nothing fixes the mould's temperature (all walls are insulated), so K "
+             "is singular and "
              "has no moments there; give a shift above 0, about 1/t_end");
   PetscCall(MatZeroEntries(solver->A));
   PetscCall(MatAXPY(solver->A, 1.0, system->K, SUBSET_NONZERO_PATTERN));

@@ -32,6 +32,7 @@ typedef struct Replay {
   PetscReal *triangle_area, *triangle_heat;                         // [n_triangles of the ROM]
   PetscReal *mean[COLUMNS];                                         // [wall->n]
   FILE *csv;                                                        // rank 0
+  char csv_part[4096];
   PetscInt next_field, n_written;
 } Replay;
 
@@ -211,11 +212,13 @@ static PetscErrorCode compare(Replay *replay, PetscReal time)
 
 /* ---- files ---- */
 
+/* Under another name until it is whole. */
 static CastStatus open_csv(Replay *replay, CastError *err)
 {
   const char *path = replay->task->csv_path;
   if (!path || replay->rank != 0) return CAST_OK;
-  replay->csv = fopen(path, "w");
+  snprintf(replay->csv_part, sizeof replay->csv_part, "%.4000s.part", path);
+  replay->csv = fopen(replay->csv_part, "w");
   CAST_CHECK(replay->csv, err, CAST_ERR_IO, "'%s' cannot be written: %s", path, strerror(errno));
   fprintf(replay->csv, "time_s,largest_rise_K,rom_error_K%s\n",
           replay->task->wall ? ",lumping_error_K,lumping_error_half_K,lumping_error_quarter_K" : "");
@@ -224,13 +227,14 @@ static CastStatus open_csv(Replay *replay, CastError *err)
 
 static CastStatus close_csv(Replay *replay, CastError *err)
 {
+  const char *path = replay->task->csv_path;
   if (!replay->csv) return CAST_OK;
   const bool written = !ferror(replay->csv), closed = fclose(replay->csv) == 0;
   replay->csv = NULL;
-  if (written && closed) return CAST_OK;
+  if (written && closed && rename(replay->csv_part, path) == 0) return CAST_OK;
   const int cause = errno;
-  unlink(replay->task->csv_path);
-  return cast_error_set(err, CAST_ERR_IO, "'%s' cannot be written: %s", replay->task->csv_path, strerror(cause));
+  unlink(replay->csv_part);
+  return cast_error_set(err, CAST_ERR_IO, "'%s' cannot be written: %s", path, strerror(cause));
 }
 
 static void field_name(const ReplayTask *task, PetscInt i, char *path, size_t size)
