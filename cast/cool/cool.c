@@ -15,7 +15,7 @@
 #include "cast/physics/properties.h"
 
 enum { MOST_TRIES = 40 };
-static const double solver_share = 1e-4; // of the tolerance, left by Newton's method in each solution
+static const double solver_share = 1e-3; // of the tolerance, left by Newton's method in each solution
 
 struct Cool {
   CoolParameters parameters;
