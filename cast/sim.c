@@ -42,6 +42,8 @@ static CastStatus build(Sim *sim, CastError *err)
   CAST_CALL(coupling_create(&c->coupling, &sim->sph, sim->rom, sim->surface, &sim->particles, &sim->coupling, err));
   CAST_CALL(filling_create(sim->surface, sim->rom, c->spacing, sim->origin, &sim->filling, err));
   CAST_CALL(filling_set_part(sim->filling, c->n_part, c->part, err));
+  CAST_CALL(freezing_create(&c->melt, sim->n_ids, &sim->freezing, err));
+  freezing_update(sim->freezing, &sim->particles, 0.0);
   return first_rates(sim, err);
 }
 
@@ -64,6 +66,7 @@ void sim_destroy(Sim **sim)
   Sim *s = *sim;
   sim_output_destroy(&s->output);
   cool_destroy(&s->cool);
+  freezing_destroy(&s->freezing);
   filling_destroy(&s->filling);
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);

@@ -33,6 +33,7 @@ double sim_solid_part(const Sim *sim, double *locked)
 void sim_watch_rest(Sim *sim)
 {
   SimCounts *n = &sim->counts;
+  if (fmod(n->steps, LOOK_EVERY) == 0.0) freezing_update(sim->freezing, &sim->particles, n->time);
   if (!sim->config->cool.wanted || fmod(n->steps, LOOK_EVERY) != 0.0) return;
   n->kinetic = sph_kinetic_energy(&sim->particles);
   n->kinetic_peak = fmax(n->kinetic_peak, n->kinetic);
@@ -114,6 +115,7 @@ CastStatus sim_cool_step(Sim *sim, CastError *err)
   CAST_CALL(cool_step(sim->cool, sim->config->cool.end - n->time, &n->dt, err));
   CAST_CALL(sim_output_record(sim, err));
   n->time += n->dt;
+  freezing_update(sim->freezing, &sim->particles, n->time);
   n->seconds[PHASE_COOL] += log_wall_time() - begun;
   return CAST_OK;
 }

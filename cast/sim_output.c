@@ -203,6 +203,7 @@ CastStatus sim_open_output(Sim *sim, const char *command, CastError *err)
   const CastConfig *c = sim->config;
   remove_old(out); // nothing of an earlier run may pass for this one's
   CAST_CALL(melt_results_open(out->folder, &c->melt, sim->n_ids, 0, &out->melt, err));
+  melt_results_follow(out->melt, sim->freezing);
   if (c->output.mould_fields) CAST_CALL(mould_results_open(out->folder, sim->rom, 0, &out->mould, err));
   CAST_CALL(sim_curves_create(sim, NULL, &out->curves, err));
   CAST_CALL(open_record(sim, NULL, err));
@@ -229,6 +230,7 @@ CastStatus sim_output_reopen(Sim *sim, const char *command, const double state[O
   const CastConfig *c = sim->config;
   CAST_CHECK(state[0] >= 1.0, err, CAST_ERR_FORMAT, "the checkpoint knows of no results");
   CAST_CALL(melt_results_open(out->folder, &c->melt, sim->n_ids, (size_t)state[0], &out->melt, err));
+  melt_results_follow(out->melt, sim->freezing);
   if (state[1] > 0.0) CAST_CALL(mould_results_open(out->folder, sim->rom, (size_t)state[1], &out->mould, err));
   CAST_CALL(sim_curves_create(sim, &state[2], &out->curves, err)); // the melt still stands as at the start
   out->next_frame = state[5];

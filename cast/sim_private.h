@@ -9,6 +9,7 @@
 
 #include "cast/cool/cool.h"
 #include "cast/io/filling.h"
+#include "cast/io/freezing.h"
 #include "cast/io/provenance.h"
 #include "cast/sim.h"
 
@@ -64,6 +65,7 @@ struct Sim {
   Neighbours *neighbours;
   Coupling *coupling;
   Filling *filling;
+  Freezing *freezing;
   Cool *cool; // NULL before the second stage
   SimCounts counts;
   bool rebuilt;   // the lists were made anew in the step in progress

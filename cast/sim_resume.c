@@ -10,7 +10,7 @@
 #include "common/h5.h"
 
 static const char FORMAT[] = "castrun checkpoint";
-enum { FORMAT_VERSION = 2 };
+enum { FORMAT_VERSION = 3 };
 
 /* ---- writing ---- */
 
@@ -82,6 +82,18 @@ static CastStatus write_record(const Sim *sim, hid_t file, CastError *err)
   return status;
 }
 
+static CastStatus write_freezing(const Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = freezing_size(sim->freezing);
+  double *known = malloc(n * sizeof *known);
+  CAST_CHECK(known, err, CAST_ERR_MEMORY, "no memory");
+  freezing_save(sim->freezing, known);
+  const CastStatus status =
+      write_doubles(file, "freezing", n, known, "", "when particles froze, as freezing packs it", err);
+  free(known);
+  return status;
+}
+
 static CastStatus write_progress(const Sim *sim, hid_t file, CastError *err)
 {
   const size_t n = filling_state_size(sim->filling);
@@ -105,6 +117,7 @@ static CastStatus write_all(const Sim *sim, hid_t file, CastError *err)
   CAST_CALL(write_identity(sim, file, err));
   CAST_CALL(write_particles(sim, file, err));
   CAST_CALL(write_mould(sim, file, err));
+  CAST_CALL(write_freezing(sim, file, err));
   return write_progress(sim, file, err);
 }
 
@@ -214,6 +227,17 @@ static CastStatus restore_mould(Sim *sim, hid_t file, CastError *err)
   return CAST_OK;
 }
 
+static CastStatus restore_freezing(Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = freezing_size(sim->freezing);
+  double *known = malloc(n * sizeof *known);
+  CAST_CHECK(known, err, CAST_ERR_MEMORY, "no memory");
+  const CastStatus status = read_doubles(file, "freezing", n, known, err);
+  if (status == CAST_OK) freezing_restore(sim->freezing, known);
+  free(known);
+  return status;
+}
+
 static CastStatus restore_progress(Sim *sim, hid_t file, CastError *err)
 {
   const size_t n = filling_state_size(sim->filling);
@@ -249,6 +273,7 @@ static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *
   CAST_CALL(restore_record(sim, file, err));
   CAST_CALL(restore_particles(sim, file, err));
   CAST_CALL(restore_mould(sim, file, err));
+  CAST_CALL(restore_freezing(sim, file, err));
   CAST_CALL(restore_progress(sim, file, err));
   if (sim->counts.stage == STAGE_COOL) return sim_cool_resume(sim, err);
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));

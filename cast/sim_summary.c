@@ -112,6 +112,37 @@ static void print_work(FILE *out, const Sim *sim, const Account *account)
           account->mould_flops, fmax(n->substeps_most, 1.0), n->substeps_most > 1.0 ? "s" : "");
 }
 
+/* Over the particles that have it. */
+static Range freezing_range(const Sim *sim, FreezingField field)
+{
+  const Particles *p = &sim->particles;
+  Range range = {INFINITY, 0.0, -INFINITY};
+  double n = 0.0;
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const double value = freezing_value(sim->freezing, field, p->id[i]);
+    if (isnan(value)) continue;
+    range.least = fmin(range.least, value);
+    range.most = fmax(range.most, value);
+    range.mean += value;
+    n += 1.0;
+  }
+  range.mean /= n;
+  return range;
+}
+
+static void print_freezing(FILE *out, const Sim *sim)
+{
+  static const char *const names[FREEZING_FIELDS] = {"below the liquidus at", "below the solidus at",
+                                                     "solidification time", "cooling rate"};
+  static const char *const units[FREEZING_FIELDS] = {"s", "s", "s", "K/s"};
+  for (int f = 0; f < FREEZING_FIELDS; f++) {
+    const Range r = freezing_range(sim, (FreezingField)f);
+    if (r.least > r.most) continue; // nothing froze
+    if (f == 0) fprintf(out, "Freezing                      least        mean        most\n");
+    fprintf(out, "  %-22s%11.5g %11.5g %11.5g %s\n", names[f], r.least, r.mean, r.most, units[f]);
+  }
+}
+
 static void print_stages(FILE *out, const Sim *sim)
 {
   if (!sim->config->cool.wanted) return;
@@ -145,6 +176,7 @@ static void print_text(FILE *out, const Sim *sim, const Account *a)
           sim->particles.n_fluid, n->removed, 1e3 * n->removed_mass, n->guarded);
   fprintf(out, "  largest speed seen %.3g m/s, %.1f %% of the numerical sound speed %.4g m/s\n", n->fastest,
           100.0 * n->fastest / sim->sph.c0, sim->sph.c0);
+  print_freezing(out, sim);
   print_stages(out, sim);
   print_work(out, sim, a);
   fprintf(out, "Warnings: %d (see castrun.log)\n", log_warning_count(sim->log));
@@ -201,6 +233,16 @@ static json_t *provenance_object(const Provenance *p)
                    p->rom_sha256, "material_sha256", p->material_sha256);
 }
 
+static json_t *freezing_object(const Sim *sim)
+{
+  static const char *const names[FREEZING_FIELDS] = {"liquidus_time_s", "solidus_time_s", "solidification_time_s",
+                                                     "cooling_rate_K_s"};
+  json_t *all = json_object();
+  for (int f = 0; f < FREEZING_FIELDS; f++)
+    json_object_set_new(all, names[f], range_object(freezing_range(sim, (FreezingField)f)));
+  return all;
+}
+
 static json_t *stages_object(const Sim *sim)
 {
   double switched, locked;
@@ -221,14 +263,15 @@ static char *json_text(const Sim *sim, const Account *a)
   for (size_t s = 0; s <= filling_n_features(sim->filling); s++)
     json_object_set_new(features, filling_name(sim->filling, s), filling_object(sim->filling, s));
   const SimCounts *n = &sim->counts;
-  json_t *root = json_pack(
-      "{ss ss so so so so so so so so so so so sI so so so si so}", "title", sim->config->title, "outcome", a->outcome,
-      "time_s", number(n->time), "end_s", number(sim_end(sim)), "filling", features, "melt_K", range_object(a->melt),
-      "cavity_wall_K", range_object(a->wall), "energy_J", ledger_object(&a->ledger), "stages", stages_object(sim),
-      "removed_particles", number(n->removed), "removed_kg", number(n->removed_mass), "set_back", number(n->guarded),
-      "largest_speed_m_s", number(n->fastest), "particles", (json_int_t)sim->particles.n_fluid, "spacing_m",
-      number(sim->config->spacing), "sound_speed_m_s", number(sim->sph.c0), "work", work_object(sim, a), "warnings",
-      log_warning_count(sim->log), "provenance", provenance_object(sim_output_provenance(sim)));
+  json_t *root =
+      json_pack("{ss ss so so so so so so so so so so so so sI so so so si so}", "title", sim->config->title, "outcome",
+                a->outcome, "time_s", number(n->time), "end_s", number(sim_end(sim)), "filling", features, "melt_K",
+                range_object(a->melt), "cavity_wall_K", range_object(a->wall), "energy_J", ledger_object(&a->ledger),
+                "stages", stages_object(sim), "freezing", freezing_object(sim), "removed_particles", number(n->removed),
+                "removed_kg", number(n->removed_mass), "set_back", number(n->guarded), "largest_speed_m_s",
+                number(n->fastest), "particles", (json_int_t)sim->particles.n_fluid, "spacing_m",
+                number(sim->config->spacing), "sound_speed_m_s", number(sim->sph.c0), "work", work_object(sim, a),
+                "warnings", log_warning_count(sim->log), "provenance", provenance_object(sim_output_provenance(sim)));
   char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15)) : NULL;
   json_decref(root);
   return text;

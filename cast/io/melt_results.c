@@ -15,6 +15,10 @@ static const VtkField FIELDS[] = {
     {"velocity", "m/s", "velocity", 3, false},
     {"pressure", "Pa", "pressure", 1, false},
     {"density", "kg/m3", "density", 1, false},
+    {"liquidus_time", "s", "when it last fell below the liquidus; NaN: has not", 1, false},
+    {"solidus_time", "s", "when it last fell below the solidus; NaN: has not", 1, false},
+    {"solidification_time", "s", "local: from liquidus to solidus", 1, false},
+    {"cooling_rate", "K/s", "mean over the freezing range", 1, false},
 };
 enum { N_FIELDS = sizeof FIELDS / sizeof FIELDS[0], XMF_EACH = 128 };
 
@@ -22,6 +26,7 @@ struct MeltResults {
   VtkSeries *series;
   char path[4096], xmf_path[4096];
   const Material *melt;
+  const Freezing *freezing; // NULL: not followed
   ptrdiff_t n_ids;
   int32_t *order; // [n_ids] particle with that id; -1: gone
   float *buffer;  // [n_ids*3] points, then fields one after the other
@@ -39,7 +44,7 @@ static CastStatus allocate(const char *folder, const Material *melt, ptrdiff_t n
   snprintf(made->xmf_path, sizeof made->xmf_path, "%.4000s/results.xmf", folder);
   const size_t n = (size_t)n_ids + 1;
   made->order = malloc(n * sizeof *made->order);
-  made->buffer = malloc(n * 11 * sizeof *made->buffer);
+  made->buffer = malloc(n * (11 + FREEZING_FIELDS) * sizeof *made->buffer);
   made->id = malloc(n * sizeof *made->id);
   CAST_CHECK(made->order && made->buffer && made->id, err, CAST_ERR_MEMORY, "no memory to write %td particles", n_ids);
   return CAST_OK;
@@ -80,6 +85,17 @@ static float *gather_vector(const MeltResults *r, double *const from[3], ptrdiff
   return to;
 }
 
+static float *gather_freezing(const MeltResults *r, FreezingField field, ptrdiff_t n, float *to)
+{
+  for (ptrdiff_t i = 0; i < n; i++) to[i] = r->freezing ? (float)freezing_value(r->freezing, field, r->id[i]) : NAN;
+  return to;
+}
+
+void melt_results_follow(MeltResults *results, const Freezing *freezing)
+{
+  results->freezing = freezing;
+}
+
 /* Fill order with the particles there are, by ascending id; returns how many. */
 static ptrdiff_t order_by_id(MeltResults *r, const Particles *p)
 {
@@ -108,7 +124,9 @@ CastStatus melt_results_append(MeltResults *r, double time, const Particles *p, 
   const float *velocity = gather_vector(r, p->v, n, next += n);
   const float *pressure = gather_scalar(r, p->p, n, next += 3 * n);
   const float *density = gather_scalar(r, p->rho, n, next += n);
-  const void *const values[N_FIELDS] = {r->id, temperature, enthalpy, solid, velocity, pressure, density};
+  const void *values[N_FIELDS] = {r->id, temperature, enthalpy, solid, velocity, pressure, density};
+  for (int f = 0; f < FREEZING_FIELDS; f++)
+    values[N_FIELDS - FREEZING_FIELDS + f] = gather_freezing(r, (FreezingField)f, n, next += n);
   CAST_CALL(vtk_series_append(r->series, time, (size_t)n, points, values, err));
   const size_t steps = vtk_series_n_steps(r->series);
   return steps <= XMF_EACH || steps % XMF_EACH == 0 ? melt_results_finish(r, err) : CAST_OK;

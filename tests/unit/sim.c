@@ -249,6 +249,10 @@ static void a_casting_fills_then_cools_until_it_is_solid(void **state)
   assert_string_equal(json_string_value(reason), "time");
   assert_true(number_at(root, "stages", "cool_steps") > 5.0);
   assert_true(number_at(root, "stages", "solid_fraction") >= 0.999);
+  const json_t *local = json_object_get(json_object_get(root, "freezing"), "solidification_time_s");
+  const double least = json_number_value(json_object_get(local, "min")),
+               most = json_number_value(json_object_get(local, "max"));
+  assert_true(least > 0.0 && most > least && most < sim_time(run.sim));
   json_decref(root);
   CastError err = {0};
   char path[160];
