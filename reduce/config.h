@@ -12,7 +12,7 @@ enum { NAME_LENGTH = 64 };
 
 typedef enum BoundaryKind { BOUNDARY_ROBIN, BOUNDARY_INSULATED, BOUNDARY_FIXED } BoundaryKind;
 
-typedef enum GeometryKind { GEOMETRY_GEO, GEOMETRY_STEP, GEOMETRY_BREP, GEOMETRY_MESH } GeometryKind;
+typedef enum GeometryKind { GEOMETRY_GEO, GEOMETRY_STEP, GEOMETRY_BREP, GEOMETRY_MESH, GEOMETRY_STL } GeometryKind;
 
 typedef struct RegionConfig { // a named volume and what it is made of
   char name[NAME_LENGTH];
@@ -51,6 +51,14 @@ typedef struct GroupConfig { // names for a geometry that has none (STEP): entit
   bool rest;     // all volumes, or all boundary surfaces, that no other group holds
 } GroupConfig;
 
+typedef enum FlaskKind { FLASK_NONE, FLASK_BLOCK, FLASK_CYLINDER } FlaskKind;
+
+typedef struct FlaskConfig { // the mould about an STL file's cavity; its axis is z
+  FlaskKind kind;
+  double corner[3], size[3];      // m, of a block: least corner
+  double base[3], radius, height; // m, of a cylinder: middle of its bottom
+} FlaskConfig;
+
 typedef enum ReductionMethod { REDUCTION_RATIONAL, REDUCTION_ARNOLDI, REDUCTION_MODAL } ReductionMethod;
 
 typedef enum ReductionBasis { BASIS_AUTOMATIC, BASIS_MEMORY, BASIS_DISK } ReductionBasis;
@@ -86,6 +94,8 @@ typedef struct ReduceConfig {
   GeometryKind geometry_kind; // by the file's extension
   double geometry_unit;       // m: length of one unit of the geometry's numbers
   char geometry_sha256[65];   // of the geometry file; of the matrix files' digests one after the other
+  FlaskConfig flask;
+  double split_angle; // rad, STL: where faces meet at a larger one is an edge
   size_t n_groups;
   GroupConfig *group;
   size_t n_regions;

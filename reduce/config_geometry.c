@@ -14,11 +14,8 @@ typedef struct Extension {
   GeometryKind kind;
 } Extension;
 
-static const Extension EXTENSIONS[] = {{".geo", GEOMETRY_GEO},
-                                       {".step", GEOMETRY_STEP},
-                                       {".stp", GEOMETRY_STEP},
-                                       {".brep", GEOMETRY_BREP},
-                                       {".msh", GEOMETRY_MESH}};
+static const Extension EXTENSIONS[] = {{".geo", GEOMETRY_GEO},   {".step", GEOMETRY_STEP}, {".stp", GEOMETRY_STEP},
+                                       {".brep", GEOMETRY_BREP}, {".msh", GEOMETRY_MESH},  {".stl", GEOMETRY_STL}};
 
 static bool find_kind(const char *file, GeometryKind *kind)
 {
@@ -56,19 +53,64 @@ static void read_unit(YamlNode geometry, ReduceConfig *config)
 
 static CastStatus read_file_name(YamlNode geometry, ReduceConfig *config, CastError *err)
 {
-  const YamlNode node = yaml_require(geometry, "file");
+  const YamlNode stl = yaml_get(geometry, "stl"), node = yaml_exists(stl) ? stl : yaml_require(geometry, "file");
+  if (yaml_exists(stl) && yaml_exists(yaml_get(geometry, "file")))
+    yaml_problem(yaml_get(geometry, "file"), "there is an STL file already: either 'file' or 'stl'");
   const char *file = yaml_string(node, NULL);
   if (!file) return CAST_OK;
   if (!find_kind(file, &config->geometry_kind)) {
     yaml_problem(node, "'%s' is of no kind that can be read: .geo, .step, .stp, .brep or .msh is expected", file);
     return CAST_OK;
   }
+  if (yaml_exists(stl) != (config->geometry_kind == GEOMETRY_STL))
+    yaml_problem(node, "'%s': %s", file,
+                 yaml_exists(stl) ? "an .stl file is expected here; other geometry is 'file'"
+                                  : "the STL file of a cavity is 'stl', with a 'flask'");
   config->geometry_path = config_resolve_path(config->input_path, file);
   CAST_CHECK(config->geometry_path, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
   CastError fault;
   if (hash_file(config->geometry_path, config->geometry_sha256, &fault) != CAST_OK)
     yaml_problem(node, "%s", fault.message);
   return CAST_OK;
+}
+
+static void read_block(YamlNode block, FlaskConfig *flask)
+{
+  flask->kind = FLASK_BLOCK;
+  yaml_vector(yaml_require(block, "corner"), "m", flask->corner);
+  const YamlNode size = yaml_require(block, "size");
+  if (!yaml_vector(size, "m", flask->size)) return;
+  for (int d = 0; d < 3; d++)
+    if (!(flask->size[d] > 0))
+      yaml_problem(size, "%g m along %c: a length above zero is expected", flask->size[d], "xyz"[d]);
+}
+
+static void read_cylinder(YamlNode cylinder, FlaskConfig *flask)
+{
+  flask->kind = FLASK_CYLINDER;
+  yaml_vector(yaml_require(cylinder, "base"), "m", flask->base);
+  flask->radius = yaml_quantity(yaml_require(cylinder, "radius"), "m", YAML_POSITIVE, NAN);
+  flask->height = yaml_quantity(yaml_require(cylinder, "height"), "m", YAML_POSITIVE, NAN);
+}
+
+static void read_flask(YamlNode geometry, ReduceConfig *config)
+{
+  static const double SPLIT = 40.0 * M_PI / 180.0;
+  const YamlNode flask = yaml_get(geometry, "flask"), angle = yaml_get(geometry, "split_angle");
+  config->split_angle = yaml_quantity(angle, "rad", (YamlRange){0.02, 1.5, false}, SPLIT);
+  if (config->geometry_kind != GEOMETRY_STL) {
+    if (yaml_exists(flask)) yaml_problem(flask, "only the STL file of a cavity is put into a flask");
+    if (yaml_exists(angle)) yaml_problem(angle, "only an STL file is split at angles");
+    return;
+  }
+  const YamlNode of = yaml_require(geometry, "flask"), block = yaml_get(of, "block"),
+                 cylinder = yaml_get(of, "cylinder");
+  if (yaml_exists(of) && yaml_exists(block) == yaml_exists(cylinder))
+    yaml_problem(of, "either 'block: {corner, size}' or 'cylinder: {base, radius, height}' is expected");
+  else if (yaml_exists(block))
+    read_block(block, &config->flask);
+  else if (yaml_exists(cylinder))
+    read_cylinder(cylinder, &config->flask);
 }
 
 static void read_box(YamlNode box, GroupConfig *group)
@@ -131,5 +173,6 @@ CastStatus config_read_geometry(YamlNode geometry, ReduceConfig *config, CastErr
 {
   CAST_CALL(read_file_name(geometry, config, err));
   read_unit(geometry, config);
+  read_flask(geometry, config);
   return read_groups(yaml_get(geometry, "groups"), config, err);
 }

@@ -18,6 +18,14 @@ static void print_geometry(const ReduceConfig *config, FILE *out)
   fprintf(out, "geometry.file           %s\n", config->geometry_path);
   fprintf(out, "geometry.sha256         %s\n", config->geometry_sha256);
   fprintf(out, "geometry.unit           %g m\n", config->geometry_unit);
+  const FlaskConfig *flask = &config->flask;
+  if (flask->kind == FLASK_BLOCK)
+    fprintf(out, "geometry.flask          block of %g m x %g m x %g m from (%g, %g, %g) m\n", flask->size[0],
+            flask->size[1], flask->size[2], flask->corner[0], flask->corner[1], flask->corner[2]);
+  if (flask->kind == FLASK_CYLINDER)
+    fprintf(out, "geometry.flask          cylinder of radius %g m, height %g m, on (%g, %g, %g) m\n", flask->radius,
+            flask->height, flask->base[0], flask->base[1], flask->base[2]);
+  if (flask->kind != FLASK_NONE) fprintf(out, "geometry.split_angle    %g deg\n", config->split_angle * 180.0 / M_PI);
   for (size_t i = 0; i < config->n_groups; i++) {
     const GroupConfig *group = &config->group[i];
     fprintf(out, "geometry.groups         %s: %s", group->name, group->dimension == 2 ? "surfaces" : "volumes");

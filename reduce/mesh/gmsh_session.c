@@ -11,6 +11,8 @@ CastStatus gmsh_session_open(CastError *err)
   CAST_CHECK(ierr == 0, err, CAST_ERR_LIBRARY, "gmsh cannot be started");
   gmshOptionSetNumber("General.Terminal", 0, &ierr);
   gmshOptionSetNumber("General.NumThreads", 1, &ierr); // the same mesh on every machine
+  // gmsh throws at an error by default, from within parallel regions too, which ends the process
+  gmshOptionSetNumber("General.AbortOnError", 0, &ierr);
   gmshLoggerStart(&ierr);
   return CAST_OK;
 }

@@ -41,9 +41,11 @@ static CastStatus join_solids(CastError *err)
   return gmsh_session_check(ierr, "joining the solids of the STEP file", err);
 }
 
-static CastStatus open_file(const ReduceConfig *config, CastError *err)
+static CastStatus open_file(MouldGeometry *geometry, CastError *err)
 {
+  const ReduceConfig *config = geometry->config;
   int ierr;
+  if (config->geometry_kind == GEOMETRY_STL) return mould_geometry_from_stl(geometry, err);
   char doing[1200];
   snprintf(doing, sizeof doing, "geometry '%.1000s' cannot be read", config->geometry_path);
   if (config->geometry_kind == GEOMETRY_STEP) {
@@ -94,7 +96,7 @@ static void count_volumes(GeometryEntity *surface)
 static CastStatus build(MouldGeometry *geometry, CastError *err)
 {
   const ReduceConfig *config = geometry->config;
-  CAST_CALL(open_file(config, err));
+  CAST_CALL(open_file(geometry, err));
   CAST_CALL(list_entities(2, &geometry->n_surfaces, &geometry->surface, err));
   CAST_CALL(list_entities(3, &geometry->n_volumes, &geometry->volume, err));
   CAST_CHECK(geometry->n_volumes > 0, err, CAST_ERR_INPUT, "geometry '%s' has no volume", config->geometry_path);
@@ -131,13 +133,26 @@ void mould_geometry_close(MouldGeometry **geometry)
   *geometry = NULL;
 }
 
+/* gmsh can mesh the wrong side of a discrete surface without a word. */
+static CastStatus check_volume(const MouldGeometry *geometry, const TetMesh *mesh, CastError *err)
+{
+  double volume = 0.0;
+  for (size_t t = 0; t < mesh->n_tets; t++) volume += tet_mesh_tet_volume(mesh, mesh->tet + 4 * t);
+  CAST_CHECK(geometry->volume_expected == 0.0 || fabs(volume - geometry->volume_expected) <= geometry->volume_slack,
+             err, CAST_ERR_INPUT,
+             "mesh of '%s': it fills %.6g mm3, but flask less cavity is %.6g mm3: a finer mesh_size may help",
+             geometry->config->geometry_path, volume * 1e9, geometry->volume_expected * 1e9);
+  return CAST_OK;
+}
+
 CastStatus mould_geometry_mesh(const MouldGeometry *geometry, TetMesh **mesh, CastError *err)
 {
   *mesh = NULL;
   if (geometry->config->geometry_kind != GEOMETRY_MESH) CAST_CALL(mould_geometry_generate(geometry, err));
   TetMesh *made = NULL;
   CAST_CALL(mould_geometry_extract(geometry, &made, err));
-  const CastStatus status = tet_mesh_check(made, geometry->config, err);
+  CastStatus status = tet_mesh_check(made, geometry->config, err);
+  if (status == CAST_OK) status = check_volume(geometry, made, err);
   if (status != CAST_OK) tet_mesh_destroy(&made);
   *mesh = made;
   return status;

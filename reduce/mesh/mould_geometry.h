@@ -19,6 +19,8 @@ typedef struct MouldGeometry {
   const ReduceConfig *config; // borrowed
   size_t n_surfaces, n_volumes;
   GeometryEntity *surface, *volume; // [n] owned
+  double volume_expected;           // m3 of mould material; 0: not known
+  double volume_slack;              // m3
 } MouldGeometry;
 
 /* Open the file that the config names, resolve the names and check that nothing is missing, overlapping or unnamed.

@@ -135,14 +135,9 @@ static CastStatus collect_surface(int tag, double size, WallTriangles *wall, Cas
   return status;
 }
 
-static CastStatus mesh_cavity(const MouldGeometry *geometry, EntitySizes *sizes, WallTriangles *wall, CastError *err)
+static CastStatus collect_cavity(const MouldGeometry *geometry, WallTriangles *wall, CastError *err)
 {
   const ReduceConfig *config = geometry->config;
-  int ierr;
-  CAST_CALL(fill_sizes(geometry, sizes, err));
-  gmshModelMeshSetSizeCallback(size_by_entity, sizes, &ierr);
-  gmshModelMeshGenerate(2, &ierr);
-  CAST_CALL(gmsh_session_check(ierr, "meshing the cavity's surface", err));
   for (size_t i = 0; i < geometry->n_surfaces; i++) {
     const GeometryEntity *surface = &geometry->surface[i];
     if (surface->name < 0 || (size_t)surface->name >= config->n_cavity) continue;
@@ -150,6 +145,17 @@ static CastStatus mesh_cavity(const MouldGeometry *geometry, EntitySizes *sizes,
         collect_surface(surface->tag, config->cavity[surface->name].mesh_size / config->geometry_unit, wall, err));
   }
   CAST_CHECK(wall->n > 0, err, CAST_ERR_INPUT, "the cavity's surfaces have no area");
+  return CAST_OK;
+}
+
+static CastStatus mesh_cavity(const MouldGeometry *geometry, EntitySizes *sizes, WallTriangles *wall, CastError *err)
+{
+  int ierr;
+  CAST_CALL(fill_sizes(geometry, sizes, err));
+  gmshModelMeshSetSizeCallback(size_by_entity, sizes, &ierr);
+  gmshModelMeshGenerate(2, &ierr);
+  CAST_CALL(gmsh_session_check(ierr, "meshing the cavity's surface", err));
+  CAST_CALL(collect_cavity(geometry, wall, err));
   gmshModelMeshClear(NULL, 0, &ierr);
   return gmsh_session_check(ierr, "meshing the cavity's surface", err);
 }
@@ -200,9 +206,11 @@ CastStatus mould_geometry_generate(const MouldGeometry *geometry, CastError *err
   WallTriangles wall = {0};
   int ierr;
   set_options();
-  gmshModelMeshClear(NULL, 0, &ierr); // of a .geo file that meshes itself
+  const bool ready = geometry->config->geometry_kind == GEOMETRY_STL; // its surfaces are meshed
+  if (!ready) gmshModelMeshClear(NULL, 0, &ierr);                     // of a .geo file that meshes itself
   CastStatus status = gmsh_session_check(0, "mesh options", err);
-  if (status == CAST_OK) status = mesh_cavity(geometry, &sizes, &wall, err);
+  if (status == CAST_OK)
+    status = ready ? collect_cavity(geometry, &wall, err) : mesh_cavity(geometry, &sizes, &wall, err);
   if (status == CAST_OK) status = mesh_volumes(geometry, &wall, err);
   for (int dimension = 0; dimension < 3; dimension++) free(sizes.size[dimension]);
   free(wall.corners);

@@ -4,6 +4,9 @@
 
 #include "reduce/mesh/mould_geometry.h"
 
+/* The model in gmsh from an STL file of the cavity and a flask. Errors: CAST_ERR_INPUT, of the STL file, of where the
+ * cavity lies in the flask, and of gmsh. */
+CastStatus mould_geometry_from_stl(MouldGeometry *geometry, CastError *err);
 /* Give each entity its name, from geometry.groups or from the physical groups of the file. */
 CastStatus mould_geometry_resolve(MouldGeometry *geometry, CastError *err);
 /* Sizes graded from the cavity wall outwards, then tetrahedra, in gmsh. */
