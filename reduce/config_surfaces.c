@@ -69,8 +69,9 @@ static void read_cavity_surface(YamlNode node, bool ready_mesh, CavitySurfaceCon
     yaml_problem(patch_size, "the surface is one patch already: either patch_size or 'one_patch: true'");
   if (!one_patch && !yaml_exists(patch_size) && yaml_is_map(node))
     yaml_problem(node, "either patch_size, for example '2 mm', or 'one_patch: true' is expected");
-  const YamlNode mesh_size = ready_mesh ? yaml_get(node, "mesh_size") : yaml_require(node, "mesh_size");
-  surface->mesh_size = yaml_quantity(mesh_size, "m", YAML_POSITIVE, NAN);
+  // of itself a patch gets some 40 triangles
+  const YamlNode mesh_size = one_patch && !ready_mesh ? yaml_require(node, "mesh_size") : yaml_get(node, "mesh_size");
+  surface->mesh_size = yaml_quantity(mesh_size, "m", YAML_POSITIVE, ready_mesh ? (double)NAN : 0.25 * surface->patch_size);
   if (ready_mesh && yaml_exists(mesh_size))
     yaml_problem(mesh_size, "the geometry is a ready mesh: nothing is meshed, leave this out");
   if (surface->patch_size > 0 && surface->patch_size < surface->mesh_size)

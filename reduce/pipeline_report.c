@@ -85,9 +85,9 @@ PetscErrorCode pipeline_report_mesh(const MouldMesh *mesh, const ReduceConfig *c
   PetscCall(count_cells(mesh->dm, &n_cells));
   log_info(log,
            "mesh: %" PetscInt_FMT " tetrahedra, %.6g cm3, shortest cavity edge %.3g mm, first layer %.3g mm, worst "
-           "quality %.2f (%.1f s)",
+           "quality %.2f at (%.4g, %.4g, %.4g) mm (%.1f s)",
            n_cells, mesh->volume * 1e6, mesh->shortest_edge * 1e3, mesh->first_layer * 1e3, mesh->worst_quality,
-           seconds);
+           mesh->worst_place[0] * 1e3, mesh->worst_place[1] * 1e3, mesh->worst_place[2] * 1e3, seconds);
   if (mesh->n_layer_cells > 0)
     log_info(log,
              "  %" PetscInt_FMT " of them in thin layers at the cavity wall; 95 %% of its area have a first layer "

@@ -68,6 +68,7 @@ static CastStatus list_entities(int dimension, size_t *n, GeometryEntity **entit
   int *pairs = NULL, ierr;
   size_t n_pairs = 0;
   gmshModelGetEntities(&pairs, &n_pairs, dimension, &ierr);
+  CAST_CALL(gmsh_session_check(ierr, "listing the geometry's parts", err));
   *n = n_pairs / 2;
   *entities = calloc(*n + 1, sizeof **entities);
   for (size_t i = 0; *entities && i < *n; i++) {
@@ -75,12 +76,12 @@ static CastStatus list_entities(int dimension, size_t *n, GeometryEntity **entit
     *entity = (GeometryEntity){.tag = pairs[2 * i + 1], .name = NAME_NONE, .volumes = -1};
     double *b = entity->box;
     gmshModelGetBoundingBox(dimension, entity->tag, &b[0], &b[1], &b[2], &b[3], &b[4], &b[5], &ierr);
-    if (ierr != 0) gmsh_session_forget(); // a ready mesh need not hold elements of every entity
   }
+  gmsh_session_forget(); // a ready mesh need not hold elements of every entity: an empty box, says gmsh
   gmshFree(pairs);
   CAST_CHECK(*entities, err, CAST_ERR_MEMORY, "no memory for the geometry");
   qsort(*entities, *n, sizeof **entities, by_tag);
-  return gmsh_session_check(0, "listing the geometry's parts", err);
+  return CAST_OK;
 }
 
 static void count_volumes(GeometryEntity *surface)

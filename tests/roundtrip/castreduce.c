@@ -169,6 +169,68 @@ static void the_rom_is_the_same_on_any_number_of_ranks(void **state)
   rom_destroy(&one);
 }
 
+/* The transfer function of two ROMs of the same mould, over which only the meshes differ, at rates that the mesh
+ * resolves. */
+static double difference_at_rest(const RomData *a, const RomData *b)
+{
+  double difference = 0.0, size = 0.0;
+  for (size_t j = a->m - 3; j < a->m; j++) { // the outer surfaces: the cavity's patches are cut from another mesh
+    difference = fmax(difference, fabs(transfer(a, 1e-2, j, j) - transfer(b, 1e-2, b->m - a->m + j, b->m - a->m + j)));
+    size = fmax(size, fabs(transfer(a, 1e-2, j, j)));
+  }
+  return difference / size;
+}
+
+typedef struct Kind {
+  const char *file, *lines, *options, *extra, *instead;
+  double difference; // that the mesh may make, from the .geo file's ROM
+} Kind;
+
+static void reduce_kind(const Kind *kind, const RomData *one)
+{
+  static char text[10000];
+  const bool ready = strstr(kind->file, ".msh") != NULL;
+  const char *good =
+      ready ? mould_files_yaml_of_mesh(kind->file, kind->lines) : mould_files_yaml(kind->file, kind->lines);
+  const char *at = strstr(good, kind->extra), *end = strstr(good, "mould.rom.h5");
+  assert_true(at && end);
+  snprintf(text, sizeof text, "%.*s%s%.*skind.rom.h5%s", (int)(at - good), good, kind->instead,
+           (int)(end - at - (ptrdiff_t)strlen(kind->extra)), at + strlen(kind->extra), end + 12);
+  mould_files_write(&files, "kind.yaml", text);
+  if (strcmp(kind->file, "mould.geo") != 0) mould_files_convert(&files, kind->file, kind->options);
+  if (run("cd '%s' && '%s' run kind.yaml 2>&1", files.folder, program) != 0) fail_msg("%s: %s", kind->file, said);
+  RomData *rom = read_rom("kind.rom.h5");
+  assert_true(rom->certificate.met);
+  assert_true(fabs(rom->heat_capacity / one->heat_capacity - 1.0) < 1e-9); // the same regions and materials
+  for (size_t k = 1; k <= 3; k++) {
+    const RomPatch *mine = &rom->patch[rom->m - k], *theirs = &one->patch[one->m - k];
+    assert_string_equal(mine->name, theirs->name);
+    assert_true(fabs(mine->area / theirs->area - 1.0) < 1e-9);
+  }
+  const double difference = difference_at_rest(one, rom);
+  print_message("%s with '%s': %zu unknowns, %zu states, differs by %.2e\n", kind->file, kind->instead, rom->n_full,
+                rom->r, difference);
+  assert_true(difference < kind->difference);
+  rom_destroy(&rom);
+}
+
+static void every_kind_of_geometry_becomes_a_certified_rom(void **state)
+{
+  (void)state;
+  char brep_lines[2048];
+  snprintf(brep_lines, sizeof brep_lines, "  unit: mm\n%s", MOULD_GROUPS);
+  const Kind kinds[] = {
+      {"mould.step", MOULD_GROUPS, "", "cavity:\n", "cavity:\n", 0.01},
+      {"mould.step", MOULD_GROUPS, "", "cavity:\n", "cavity:\n  layers: auto\n  contact: 2000 W/m^2/K\n", 0.02},
+      {"mould.brep", brep_lines, "", "cavity:\n", "cavity:\n", 0.01},
+      {"mould.geo", "  unit: mm\n", "", "growth: 0.4", "growth: 0.4, order: 2", 0.02},
+      {"mould.msh", "  unit: mm\n", "Mesh.MeshSizeMax = 1.5;\n", "reduction:", "mesh: { order: 1 }\nreduction:", 0.05},
+  };
+  RomData *one = reduce_on(1);
+  for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) reduce_kind(&kinds[i], one);
+  rom_destroy(&one);
+}
+
 static void check_prints_the_input_and_makes_nothing(void **state)
 {
   (void)state;
@@ -239,6 +301,7 @@ int main(int argc, char **argv)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_mould_becomes_a_rom_that_says_where_it_comes_from),
       cmocka_unit_test(the_rom_is_the_same_on_any_number_of_ranks),
+      cmocka_unit_test(every_kind_of_geometry_becomes_a_certified_rom),
       cmocka_unit_test(check_prints_the_input_and_makes_nothing),
       cmocka_unit_test(info_prints_what_a_rom_holds),
       cmocka_unit_test(unused_options_are_named),

@@ -143,6 +143,39 @@ static void groups_are_lists_boxes_or_the_rest(void **state)
   reduce_config_destroy(&config);
 }
 
+static void the_mesh_follows_the_patches_unless_told_otherwise(void **state)
+{
+  (void)state;
+  ReduceConfig *config = read_config(changed("patch_size: 3 mm, mesh_size: 0.8 mm", "patch_size: 3 mm"));
+  assert_true(config->cavity[0].mesh_size == 0.75e-3 && config->cavity[1].mesh_size == 0.4e-3);
+  reduce_config_destroy(&config);
+  expect_problem(changed("one_patch: true, mesh_size: 0.4 mm", "one_patch: true"), "key 'mesh_size' is missing");
+}
+
+static void a_cavity_of_stl_stands_in_a_flask(void **state)
+{
+  (void)state;
+  mould_files_write(&files, "part.stl", "not read here");
+  ReduceConfig *config = read_config(changed("  file: mould.geo\n",
+                                             "  stl: part.stl\n  split_angle: 30 deg\n  flask: { cylinder: { base: [0 "
+                                             "mm, 1 mm, 2 mm], radius: 1 cm, height: 30 mm } }\n"));
+  assert_int_equal(config->geometry_kind, GEOMETRY_STL);
+  assert_int_equal(config->flask.kind, FLASK_CYLINDER);
+  assert_true(config->flask.base[1] == 1e-3 && config->flask.radius == 1e-2 && config->flask.height == 0.03);
+  assert_true(fabs(config->split_angle - 30.0 * M_PI / 180.0) < 1e-12);
+  reduce_config_destroy(&config);
+  config =
+      read_config(changed("  file: mould.geo\n", "  stl: part.stl\n  flask: { block: { corner: [0 mm, 1 mm, 2 mm], "
+                                                 "size: [3 mm, 4 mm, 5 mm] } }\n"));
+  assert_int_equal(config->flask.kind, FLASK_BLOCK);
+  assert_true(config->flask.corner[2] == 2e-3 && config->flask.size[0] == 3e-3);
+  reduce_config_destroy(&config);
+  expect_problem(changed("  file: mould.geo\n",
+                         "  stl: part.stl\n  flask: { block: { corner: [0 mm, 1 mm, 2 mm], size: [3 mm, 0 mm, 5 mm] } "
+                         "}\n"),
+                 "0 m along y: a length above zero is expected");
+}
+
 static void layers_are_automatic_given_or_none(void **state)
 {
   (void)state;
@@ -284,6 +317,8 @@ int main(void)
       cmocka_unit_test(paths_are_seen_from_the_input_file),
       cmocka_unit_test(the_settings_of_each_method_are_read),
       cmocka_unit_test(groups_are_lists_boxes_or_the_rest),
+      cmocka_unit_test(the_mesh_follows_the_patches_unless_told_otherwise),
+      cmocka_unit_test(a_cavity_of_stl_stands_in_a_flask),
       cmocka_unit_test(layers_are_automatic_given_or_none),
       cmocka_unit_test(all_faults_come_in_one_go_in_the_order_of_their_lines),
       cmocka_unit_test(settings_that_would_do_nothing_are_refused),
