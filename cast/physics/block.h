@@ -14,8 +14,7 @@ typedef union Block {
   _Alignas(64) uint32_t place[RECORD_SIZE][BLOCK_PAIRS];
 } Block;
 
-typedef float BlockQuad __attribute__((vector_size(16)));
-typedef int32_t BlockMask __attribute__((vector_size(16)));
+typedef float BlockQuad __attribute__((vector_size(16), may_alias));
 
 /* Fields [first, first + 4) of four records to places [k, k + 4). */
 PAIR_INLINE void block_put_four(Block *block, int first, ptrdiff_t k, const RecordField *const record[4])
@@ -24,14 +23,14 @@ PAIR_INLINE void block_put_four(Block *block, int first, ptrdiff_t k, const Reco
                   b = *(const BlockQuad *)(const void *)(record[1] + first),
                   c = *(const BlockQuad *)(const void *)(record[2] + first),
                   d = *(const BlockQuad *)(const void *)(record[3] + first);
-  const BlockQuad ab_low = __builtin_shuffle(a, b, (BlockMask){0, 4, 1, 5}),
-                  ab_high = __builtin_shuffle(a, b, (BlockMask){2, 6, 3, 7}),
-                  cd_low = __builtin_shuffle(c, d, (BlockMask){0, 4, 1, 5}),
-                  cd_high = __builtin_shuffle(c, d, (BlockMask){2, 6, 3, 7});
-  *(BlockQuad *)&block->value[first][k] = __builtin_shuffle(ab_low, cd_low, (BlockMask){0, 1, 4, 5});
-  *(BlockQuad *)&block->value[first + 1][k] = __builtin_shuffle(ab_low, cd_low, (BlockMask){2, 3, 6, 7});
-  *(BlockQuad *)&block->value[first + 2][k] = __builtin_shuffle(ab_high, cd_high, (BlockMask){0, 1, 4, 5});
-  *(BlockQuad *)&block->value[first + 3][k] = __builtin_shuffle(ab_high, cd_high, (BlockMask){2, 3, 6, 7});
+  const BlockQuad ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5),
+                  ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+                  cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5),
+                  cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  *(BlockQuad *)&block->value[first][k] = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+  *(BlockQuad *)&block->value[first + 1][k] = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+  *(BlockQuad *)&block->value[first + 2][k] = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+  *(BlockQuad *)&block->value[first + 3][k] = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
 /* Fill the block with the first `fields` fields (a multiple of 4) of the records of n <= BLOCK_PAIRS neighbours. Up to
