@@ -3,6 +3,7 @@
  *   H - H_r = R^T (iw E + K)^-1 R.
  * In the generalised eigenbasis of (K, E), |lambda + iw| >= (lambda + w)/sqrt(2), hence
  *   ||H(iw) - H_r(iw)||_2 <= sqrt(2) lambda_max(R^H (w E + K)^-1 R).
+ * Where V^T R = 0 holds only nearly, x^T V^T R comes on top.
  * R(iw) = R_0 Phi(iw) (residual.h), so the matrix G(w) = R_0^T (w E + K)^-1 R_0, p real solves, serves all w near by:
  * for u < w < v and any lambda_0 >= 0, with U = u + lambda_0, W = w + lambda_0 and V = v + lambda_0,
  *   1/(lambda + w) <= a/(lambda + u) + b/(lambda + v),  a = (U/W)^2 (V - W)/(V - U),  b = (V/W)^2 (W - U)/(V - U),
@@ -31,11 +32,13 @@ struct Certificate {
   Residual *residual;
   PetscReal w_first, w_last;
   PetscInt m, p, n_nodes;
-  PetscReal *node, *G, *defect; // [n_nodes] rad/s, [n_nodes x p x p], [n_nodes] residual_defect
-  PetscReal *Phi[2];            // [p x p] factor of the residual, its columns scaled by `weight`
-  PetscReal *product[2];        // [p x p]
-  PetscReal *part[2][2];        // [node below or above][P or S] [p x p]
-  PetscReal *weight;            // [p] area^(1/2), 0 for the ambient
+  PetscReal *node, *G;    // [n_nodes] rad/s, [n_nodes x p x p]
+  ResidualDefect *defect; // [n_nodes]
+  PetscBool everywhere;   // it matters: worked out at each node from here on
+  PetscReal *Phi[2];      // [p x p] factor of the residual, its columns scaled by `weight`
+  PetscReal *product[2];  // [p x p]
+  PetscReal *part[2][2];  // [node below or above][P or S] [p x p]
+  PetscReal *weight;      // [p] area^(1/2), 0 for the ambient
 };
 
 static PetscErrorCode allocate(Certificate *band)
@@ -75,6 +78,12 @@ static PetscErrorCode weighted_factor(const Certificate *band, PetscReal w)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The defect is worked out at both ends and in the middle, and at every node once it was seen to matter. */
+static PetscBool known_here(const Certificate *band, PetscInt i)
+{
+  return (PetscBool)(band->everywhere || i == 0 || i == band->n_nodes / 2 || i == band->n_nodes - 1);
+}
+
 /* G at node i, and by how much inexact solves have spoilt R = R_0 Phi there. */
 static PetscErrorCode solve_node(Certificate *band, const KrylovBasis *basis, ShiftedSolver *solver, PetscInt i)
 {
@@ -82,13 +91,14 @@ static PetscErrorCode solve_node(Certificate *band, const KrylovBasis *basis, Sh
 
   PetscFunctionBeginUser;
   PetscCall(residual_energy(band->residual, solver, band->node[i], G));
-  band->defect[i] = 0.0;
-  if (i != 0 && i != band->n_nodes / 2 && i != band->n_nodes - 1) PetscFunctionReturn(PETSC_SUCCESS);
+  band->defect[i] = (ResidualDefect){0.0, 0.0};
+  if (!known_here(band, i)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(weighted_factor(band, band->node[i]));
   PetscCall(energy(band, G, band->part[0][0], band->part[0][1]));
   PetscCall(small_hermitian_largest(band->model->comm, band->p, band->part[0][0], band->part[0][1], &largest));
   PetscCall(residual_defect(band->residual, basis, band->model, solver, band->weight,
                             NEGLIGIBLE * sqrt(PetscMax(largest, 0.0)), &band->defect[i]));
+  if (band->defect[i].size > NEGLIGIBLE * sqrt(PetscMax(largest, 0.0))) band->everywhere = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,8 +106,10 @@ static PetscErrorCode solve_node(Certificate *band, const KrylovBasis *basis, Sh
 static void spread_defects(Certificate *band, PetscInt i, PetscInt j)
 {
   for (PetscInt k = i + 1; k < j; k++) {
+    if (band->defect[k].size > 0.0) continue;
     const PetscReal share = log(band->node[k] / band->node[i]) / log(band->node[j] / band->node[i]);
-    band->defect[k] = 2.0 * pow(band->defect[i], 1.0 - share) * pow(band->defect[j], share);
+    band->defect[k].size = 2.0 * pow(band->defect[i].size, 1.0 - share) * pow(band->defect[j].size, share);
+    band->defect[k].slip = 2.0 * pow(band->defect[i].slip, 1.0 - share) * pow(band->defect[j].slip, share);
   }
 }
 
@@ -127,8 +139,8 @@ PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *mo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* lambda_max of R^H (w E + K)^-1 R, from above, by the nodes around w. */
-static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, PetscReal *largest)
+/* lambda_max of R^H (w E + K)^-1 R, from above, by the nodes around w; by how much the projection slips. */
+static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, PetscReal *largest, PetscReal *slip)
 {
   const size_t square = (size_t)band->p * (size_t)band->p;
   PetscReal *const *below = band->part[0], *const *above = band->part[1];
@@ -144,8 +156,9 @@ static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, Petsc
   for (int i = 0; i < 2; i++)
     for (size_t e = 0; e < square; e++) below[i][e] = a * below[i][e] + b * above[i][e];
   PetscCall(small_hermitian_largest(band->model->comm, band->p, below[0], below[1], largest));
-  const PetscReal defect = PetscMax(band->defect[k], band->defect[k + 1]);
-  *largest = pow(sqrt(PetscMax(*largest, 0.0)) + defect, 2.0);
+  const PetscReal size = PetscMax(band->defect[k].size, band->defect[k + 1].size);
+  *largest = pow(sqrt(PetscMax(*largest, 0.0)) + size, 2.0);
+  *slip = PetscMax(band->defect[k].slip, band->defect[k + 1].slip);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,13 +188,13 @@ static PetscErrorCode transfer_norm(const Certificate *band, const ModalModel *m
 
 static PetscErrorCode bound_at(const Certificate *band, const ModalModel *last, PetscReal w, PetscReal *bound)
 {
-  PetscReal largest, truncated = 0.0, norm;
+  PetscReal largest, slip = 0.0, truncated = 0.0, norm;
 
   PetscFunctionBeginUser;
-  PetscCall(largest_energy(band, w, &largest));
+  PetscCall(largest_energy(band, w, &largest, &slip));
   if (last != band->model) PetscCall(transfer_norm(band, band->model, last, w, &truncated));
   PetscCall(transfer_norm(band, last, NULL, w, &norm));
-  *bound = (PETSC_SQRT2 * largest + truncated) / norm + ROUNDING;
+  *bound = (PETSC_SQRT2 * largest + slip + truncated) / norm + ROUNDING;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

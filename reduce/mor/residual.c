@@ -4,8 +4,9 @@
 #include "reduce/mor/small_dense.h"
 #include "reduce/petsc_compat.h"
 
-/* E >= DIAGONAL_SHARE diag(E): 1/2 for linear tetrahedra on any mesh (Wathen 1987, IMA J. Numer. Anal. 7, 449), less
- * for quadratic ones. It only enters what is added for inexact solves. */
+/* E >= DIAGONAL_SHARE diag(E): 1/2 for linear and 1/4 for quadratic tetrahedra, on any mesh (the least eigenvalue of
+ * one element's: Wathen 1987, IMA J. Numer. Anal. 7, 449); less, for matrices from elsewhere. It only enters what is
+ * added for inexact solves. */
 static const PetscReal DIAGONAL_SHARE = 0.05;
 /* Eigenvalues of R_0's scaled Gram matrix below this share of the largest are dependence or rounding. */
 static const PetscReal DEPENDENT = 1e-11;
@@ -281,8 +282,39 @@ static PetscErrorCode solved_size(const ThermalSystem *system, ShiftedSolver *so
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ||D x^T V^T R D||_F at iw, of = -R */
+static PetscErrorCode galerkin_slip(const KrylovBasis *basis, const ModalModel *model, PetscReal w, Mat of[2],
+                                    const PetscReal *weight, PetscReal *slip)
+{
+  const PetscInt p = basis->p, r = basis->r;
+  PetscReal *inner, *x, *Qx[2], *S[2];
+
+  PetscFunctionBeginUser;
+  const size_t size = (size_t)r * (size_t)p, square = (size_t)p * (size_t)p;
+  PetscCall(PetscMalloc6(size, &inner, size, &x, size, &Qx[0], size, &Qx[1], square, &S[0], square, &S[1]));
+  for (int part = 0; part < 2; part++) {
+    modal_state(model, w, part, x);
+    PetscCall(small_multiply('N', 'T', r, p, r, 1.0, model->Q, x, 0.0, Qx[part]));
+  }
+  for (int part = 0; part < 2; part++) { // (a + ib)^T (c + id), [p x p]: R^T V of one part times both of x
+    PetscCall(krylov_basis_inner(basis, of[part], inner));
+    PetscCall(small_multiply('N', 'N', p, p, r, part == 0 ? 1.0 : -1.0, inner, Qx[part], part == 0 ? 0.0 : 1.0, S[0]));
+    PetscCall(small_multiply('N', 'N', p, p, r, 1.0, inner, Qx[1 - part], part == 0 ? 0.0 : 1.0, S[1]));
+  }
+  *slip = 0.0;
+  for (PetscInt j = 0; j < p; j++)
+    for (PetscInt i = 0; i < p; i++) {
+      const PetscReal size_2 = S[0][i + j * p] * S[0][i + j * p] + S[1][i + j * p] * S[1][i + j * p];
+      *slip += weight[i] * weight[i] * weight[j] * weight[j] * size_2;
+    }
+  *slip = PetscSqrtReal(*slip);
+  PetscCall(PetscFree6(inner, x, Qx[0], Qx[1], S[0], S[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
-                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible, PetscReal *defect)
+                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
+                               ResidualDefect *defect)
 {
   const PetscInt p = residual->p;
   const PetscReal w = shifted_solver_get_shift(solver);
@@ -295,70 +327,19 @@ PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basi
   PetscCall(dense_block_create(residual->system->E, p, &of[1]));
   PetscCall(applied(residual, basis, model, w, of));
   for (PetscInt c = 0; c < p; c++) minus[c] = -1.0;
-  PetscCall(dense_block_axpby(of[0], 1.0, minus, basis->ports));
+  PetscCall(dense_block_axpby(of[0], 1.0, minus, basis->ports)); // -R
+  PetscCall(galerkin_slip(basis, model, w, of, weight, &defect->slip));
   PetscCall(residual_factor(residual, model, w, Phi[0], Phi[1]));
   for (int part = 0; part < 2; part++) { // (R_0 Phi - R) D
     PetscCall(dense_block_combine(of[part], 1.0, 1.0, residual->R0, Phi[part], p));
     PetscCall(dense_block_scale(of[part], weight));
   }
-  PetscCall(diagonal_size(residual->system, of, defect));
-  *defect = PetscSqrtReal(*defect / (w * DIAGONAL_SHARE));
-  if (*defect > negligible) PetscCall(solved_size(residual->system, solver, of, defect));
+  PetscCall(diagonal_size(residual->system, of, &defect->size));
+  defect->size = PetscSqrtReal(defect->size / (w * DIAGONAL_SHARE));
+  if (defect->size > negligible) PetscCall(solved_size(residual->system, solver, of, &defect->size));
   PetscCall(MatDestroy(&of[0]));
   PetscCall(MatDestroy(&of[1]));
   PetscCall(PetscFree3(Phi[0], Phi[1], minus));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Phi(s) D at a real s, [p x p] */
-static PetscErrorCode real_factor(const Residual *residual, const ModalModel *model, PetscReal s,
-                                  const PetscReal *weight, PetscReal *Phi)
-{
-  const PetscInt p = residual->p;
-  PetscReal *x;
-
-  PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((size_t)model->r * (size_t)p, &x));
-  for (PetscInt k = 0; k < model->r; k++)
-    for (PetscInt l = 0; l < p; l++) x[k * p + l] = model->B[k * p + l] / (s + model->lambda[k]);
-  PetscCall(small_multiply('N', 'T', p, p, model->r, -1.0, residual->c, x, 0.0, Phi));
-  for (PetscInt l = 0; l < p; l++) {
-    Phi[l + l * p] += 1.0;
-    for (PetscInt k = 0; k < p; k++) Phi[k + l * p] *= weight[l];
-  }
-  PetscCall(PetscFree(x));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode residual_directions(const Residual *residual, const ModalModel *model, ShiftedSolver *solver,
-                                   PetscReal s, const PetscReal *weight, PetscReal least, Mat *X, PetscReal *largest)
-{
-  const PetscInt p = residual->p;
-  PetscReal *Phi, *G, *error, *product, *value;
-  PetscInt k = 0;
-  Mat Z;
-
-  PetscFunctionBeginUser;
-  *X = NULL;
-  const size_t square = (size_t)p * (size_t)p;
-  PetscCall(PetscMalloc5(square, &Phi, square, &G, square, &error, square, &product, (size_t)p, &value));
-  PetscCall(shifted_solver_set_shift(solver, s, p));
-  PetscCall(dense_block_create(residual->system->E, p, &Z));
-  PetscCall(shifted_solver_solve(solver, residual->R0, Z));
-  PetscCall(dense_block_inner(residual->R0, Z, G));
-  PetscCall(real_factor(residual, model, s, weight, Phi));
-  PetscCall(small_multiply('N', 'N', p, p, p, 1.0, G, Phi, 0.0, product));
-  PetscCall(small_multiply('T', 'N', p, p, p, 1.0, Phi, product, 0.0, error));
-  PetscCall(small_eigen(model->comm, p, error, value));
-  *largest = value[p - 1];
-  while (k < p && value[p - 1 - k] > least) k++;
-  if (k > 0) { // the eigenvectors stand in the last k columns
-    PetscCall(small_multiply('N', 'N', p, k, p, 1.0, Phi, error + (size_t)(p - k) * (size_t)p, 0.0, product));
-    PetscCall(dense_block_create(residual->system->E, k, X));
-    PetscCall(dense_block_combine(*X, 0.0, 1.0, Z, product, p));
-  }
-  PetscCall(MatDestroy(&Z));
-  PetscCall(PetscFree5(Phi, G, error, product, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

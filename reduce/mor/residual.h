@@ -28,11 +28,17 @@ PetscErrorCode residual_factor(const Residual *residual, const ModalModel *model
 /* G >= R_0^T (w E + K)^-1 R_0 in the sense of quadratic forms, [p x p] column-major, from p solves; what the solver
  * leaves over is added. The solver takes the shift w. */
 PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, PetscReal w, PetscReal *G);
-/* Upper bound of ||(R(iw) - R_0 Phi(iw)) D|| in the norm of (w E + K)^-1, w the solver's present shift, D =
- * diag(weight) [p]. The basis must be the one that the residual was created with. A bound that needs no solve is given
- * where it is below `negligible`; else 2 p solves are made. */
+/* How far inexact solves, or a projection from moments, have spoilt what should hold exactly, at a rate w. */
+typedef struct ResidualDefect {
+  PetscReal size; // upper bound of ||(R(iw) - R_0 Phi(iw)) D||, in the norm of (w E + K)^-1
+  PetscReal slip; // ||D x^T V^T R D||_F, of V^T R = 0: H - H_r = R^T (iw E + K)^-1 R + x^T V^T R
+} ResidualDefect;
+
+/* At the solver's present shift w; D = diag(weight) [p]. The basis must be the one that the residual was created with.
+ * A size that needs no solve is given where it is below `negligible`; else 2 p solves are made. */
 PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
-                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible, PetscReal *defect);
+                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
+                               ResidualDefect *defect);
 /* The directions in which the error of H at the real rate s, 1/s, is above `least`, and its largest value:
  *   D (H - H_r)(s) D = D Phi^T R_0^T (s E + K)^-1 R_0 Phi D,  D = diag(weight) [p],
  * whose eigenvectors U with larger eigenvalues [k] give X = (s E + K)^-1 R(s) D U, [n x k], what the basis lacks most.
