@@ -111,7 +111,6 @@ CastStatus sim_cool_step(Sim *sim, CastError *err)
 {
   const double begun = log_wall_time();
   SimCounts *n = &sim->counts;
-  // two equal steps where one and a sliver would be left is for the step's own control: it takes what is left
   CAST_CALL(cool_step(sim->cool, sim->config->cool.end - n->time, &n->dt, err));
   CAST_CALL(sim_output_record(sim, err));
   n->time += n->dt;
