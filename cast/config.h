@@ -51,14 +51,14 @@ typedef struct CastConfig {
   double gravity[3], acceleration[3]; // m/s2
   ContactLaws contact;
   CouplingParameters coupling; // .contact points to the laws above
-  double spacing; // m
+  double spacing;              // m
   KernelKind kernel;
   double smoothing;   // h/spacing
   double sound_speed; // m/s; 0: from the largest speed and pressure expected
   SphDensity density;
   double density_diffusion, artificial_viscosity;
   bool cut_tension;
-  double end;  // s, of the filling
+  double end; // s, of the filling
   CoolConfig cool;
   double step; // s; 0: from the limits of sph_time_step and of the exchange with the mould
   RomScheme scheme;

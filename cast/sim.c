@@ -190,8 +190,9 @@ static void show_progress(const Sim *sim)
     snprintf(note, sizeof note, "t = %.4g s, dt = %.3g s, %.1f %% solid", n->time, n->dt,
              100.0 * sim_solid_part(sim, NULL));
   else
-    snprintf(note, sizeof note, "t = %.3f ms, dt = %.2f us, filled %.1f %%, %.2f million particle-steps/s", 1e3 * n->time,
-           1e6 * n->dt, 100.0 * sim_filled_fraction(sim), n->wall > 0.0 ? 1e-6 * n->particle_steps / n->wall : 0.0);
+    snprintf(note, sizeof note, "t = %.3f ms, dt = %.2f us, filled %.1f %%, %.2f million particle-steps/s",
+             1e3 * n->time, 1e6 * n->dt, 100.0 * sim_filled_fraction(sim),
+             n->wall > 0.0 ? 1e-6 * n->particle_steps / n->wall : 0.0);
   const double end = sim->cool ? sim_end(sim) : sim->config->end;
   log_progress(sim->log, sim->cool ? "cooling" : "casting", n->time / end, note);
 }

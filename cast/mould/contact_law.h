@@ -1,8 +1,7 @@
 /* contact_law.h - the conductance of the interface between melt and mould, W/(m2 K): a constant, a function of the
  * temperature of the melt at the wall, or of its solid fraction; for each named cavity surface.
  * A gap that opens as the skin shrinks away from the mould has three stages: the liquid's value up to one solid
- * fraction, the gap's from another on, a line between (Campbell 2015, Complete Casting Handbook, section 5.1; the
- * two-point table). */
+ * fraction, the gap's from another on, a line between: a table of two points. */
 #ifndef CAST_MOULD_CONTACT_LAW_H
 #define CAST_MOULD_CONTACT_LAW_H
 
