@@ -19,6 +19,7 @@ static const PetscReal STORED_RTOL = 1e-12;     // moments build on one another
 /* Of what is allowed: smaller errors bring no vector. A second stage makes its own choice, and needs the rest small:
  * its error comes on top, and the certificate cannot know that the two cancel. */
 static const PetscReal DIRECTION_SHARE = 0.25, DIRECTION_SHARE_BEFORE_SECOND = 0.03;
+static const PetscReal WORTHWHILE = 0.7; // an added shift's directions bring the error down at least to this share
 static const PetscReal AMBIENT_H = 20.0; // W/(m2 K): gives the ambient port an area among the patches'
 static const PetscReal POLE_REACH = 2.2; // a shift within this ratio of a window's pole serves it
 
@@ -206,8 +207,9 @@ static PetscReal allowed_at(const Reduction *reduction, PetscReal s, const Petsc
   return reduction_first_stage_target(reduction->config) * largest;
 }
 
-/* One vector more at shift s for each direction of the inputs whose error there is above a share of what is allowed. */
-static PetscErrorCode take_directions(Reduction *reduction, PetscReal s)
+/* One vector more at shift s for each direction of the inputs whose error there is above a share of what is allowed.
+ *   taken  out: vectors that were added */
+static PetscErrorCode take_directions(Reduction *reduction, PetscReal s, PetscInt *taken)
 {
   KrylovBasis *basis = reduction->basis;
   const double start = log_wall_time();
@@ -227,7 +229,6 @@ static PetscErrorCode take_directions(Reduction *reduction, PetscReal s)
   const PetscReal share = reduction->config->second_stage ? DIRECTION_SHARE_BEFORE_SECOND : DIRECTION_SHARE;
   PetscCall(
       residual_directions(residual, reduction->modal, reduction->solver, s, weight, share * allowed, &X, &largest));
-  PetscCall(reduction_record_shift(reduction, s));
   if (X) {
     PetscCall(MatGetSize(X, NULL, &k));
     PetscCall(krylov_basis_get_block(basis, k, &block));
@@ -235,6 +236,8 @@ static PetscErrorCode take_directions(Reduction *reduction, PetscReal s)
     PetscCall(krylov_basis_add(basis, &block, &kept));
     PetscCall(MatDestroy(&X));
   }
+  if (kept > 0) PetscCall(reduction_record_shift(reduction, s));
+  *taken = kept;
   log_info(
       reduction->log,
       "shift %.3g 1/s: the error of H is %.2g of what is allowed, in %d of %d directions it matters: %d kept, %d in "
@@ -246,12 +249,15 @@ static PetscErrorCode take_directions(Reduction *reduction, PetscReal s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* More shifts where the step responses are worst, with the directions that the residual asks for there. */
+/* More shifts where the step responses are worst, with the directions that the residual asks for there. Errors on the
+ * real axis can be far smaller than those of the responses: where the residual asks for nothing, or what it asks for
+ * hardly helps, the whole block is taken. */
 static PetscErrorCode add_shifts(Reduction *reduction)
 {
   const StepReference *reference = reduction->reference;
   const PetscReal target = reduction_first_stage_target(reduction->config);
-  PetscReal *error, s;
+  PetscReal *error, s, before = 0.0;
+  PetscBool helps = PETSC_TRUE;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((size_t)reference->n_times, &error));
@@ -262,8 +268,12 @@ static PetscErrorCode add_shifts(Reduction *reduction)
     PetscCall(shifts_suggest(reduction->n_shifts, reduction->shifts, reference->n_times, reference->time, error, &s));
     log_info(reduction->log, "step responses: error %.2e of the rise, %.2e is needed: one more shift at %.3g 1/s",
              (double)reduction->step_error, (double)target, (double)s);
-    PetscCall(take_directions(reduction, s));
+    PetscInt taken = 0;
+    before = reduction->step_error;
+    if (helps) PetscCall(take_directions(reduction, s, &taken));
+    if (taken == 0) PetscCall(take_shift(reduction, s, 1));
     PetscCall(reduction_judge(reduction, error));
+    helps = (PetscBool)(taken == 0 || reduction->step_error < WORTHWHILE * before);
   }
   PetscCall(PetscFree(error));
   PetscFunctionReturn(PETSC_SUCCESS);
