@@ -6,17 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A path beside the input file, unless it is absolute. */
-static char *resolve(const char *input_path, const char *path)
-{
-  const char *slash = strrchr(input_path, '/');
-  const int folder = slash && path[0] != '/' ? (int)(slash - input_path) + 1 : 0;
-  const size_t size = (size_t)folder + strlen(path) + 1;
-  char *joined = malloc(size);
-  if (joined) snprintf(joined, size, "%.*s%s", folder, input_path, path);
-  return joined;
-}
-
 static void read_vector(YamlNode node, const char *unit, double value[3])
 {
   if (yaml_exists(node) && !yaml_vector(node, unit, value)) value[0] = value[1] = value[2] = 0.0;
@@ -63,7 +52,7 @@ static CastStatus read_material(YamlNode node, CastConfig *config, CastError *er
   if (yaml_is_scalar(node)) {
     const char *name = yaml_string(node, "");
     const bool is_path = strchr(name, '/') || strstr(name, ".yaml");
-    config->melt_reference = is_path ? resolve(config->input_path, name) : strdup(name);
+    config->melt_reference = is_path ? yaml_path_beside(config->input_path, name) : strdup(name);
     CAST_CHECK(config->melt_reference, err, CAST_ERR_MEMORY, "no memory");
   }
   return CAST_OK;
@@ -211,7 +200,7 @@ static CastStatus read_output(YamlNode node, CastConfig *config, CastError *err)
   OutputConfig *output = &config->output;
   const char *folder = yaml_string(yaml_require(node, "folder"), NULL);
   if (folder) {
-    output->folder = resolve(config->input_path, folder);
+    output->folder = yaml_path_beside(config->input_path, folder);
     CAST_CHECK(output->folder, err, CAST_ERR_MEMORY, "no memory");
   }
   output->every = yaml_quantity(yaml_require(node, "every"), "s", YAML_POSITIVE, NAN);
@@ -247,7 +236,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   CAST_CHECK(config->input_path && config->input_text && config->title, err, CAST_ERR_MEMORY, "no memory");
   const char *rom = yaml_string(yaml_require(root, "rom"), NULL);
   if (rom) {
-    config->rom_path = resolve(config->input_path, rom);
+    config->rom_path = yaml_path_beside(config->input_path, rom);
     CAST_CHECK(config->rom_path, err, CAST_ERR_MEMORY, "no memory");
   }
   config->preheat = yaml_quantity(yaml_require(root, "preheat"), "K", YAML_POSITIVE, NAN);

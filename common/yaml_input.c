@@ -199,6 +199,16 @@ void yaml_input_destroy(YamlInput **input)
   *input = NULL;
 }
 
+char *yaml_path_beside(const char *input_path, const char *path)
+{
+  const char *slash = strrchr(input_path, '/');
+  const int folder = slash && path[0] != '/' ? (int)(slash - input_path) + 1 : 0;
+  const size_t size = (size_t)folder + strlen(path) + 1;
+  char *joined = malloc(size);
+  if (joined) snprintf(joined, size, "%.*s%s", folder, input_path, path);
+  return joined;
+}
+
 const char *yaml_input_text(const YamlInput *input)
 {
   return input->text;

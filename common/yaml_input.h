@@ -40,6 +40,9 @@ void yaml_input_destroy(YamlInput **input);
  */
 CastStatus yaml_input_read_text(const char *path, char **text, CastError *err);
 
+/* A path beside the input file, unless it is absolute; the caller owns it. NULL: no memory. */
+char *yaml_path_beside(const char *input_path, const char *path);
+
 const char *yaml_input_text(const YamlInput *input); // the bytes as read, for provenance
 const char *yaml_input_path(const YamlInput *input);
 

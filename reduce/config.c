@@ -34,17 +34,6 @@ bool config_read_name(YamlNode map, size_t i, char name[NAME_LENGTH])
   return true;
 }
 
-char *config_resolve_path(const char *input_path, const char *file)
-{
-  const char *slash = strrchr(input_path, '/');
-  const size_t folder = file[0] == '/' || !slash ? 0 : (size_t)(slash - input_path) + 1;
-  char *path = malloc(folder + strlen(file) + 1);
-  if (!path) return NULL;
-  memcpy(path, input_path, folder);
-  strcpy(path + folder, file);
-  return path;
-}
-
 static CastStatus read_regions(YamlNode regions, ReduceConfig *config, CastError *err)
 {
   const size_t n = config_count_entries(regions, "region");
@@ -118,7 +107,7 @@ static CastStatus read_output(YamlNode output, ReduceConfig *config, CastError *
   if (config->matrices) config->band = 0.0;
   if (!name) return CAST_OK;
   if (!ends_with(name, ".rom.h5")) yaml_problem(file, "'%s': a name that ends in '.rom.h5' is expected", name);
-  config->rom_path = config_resolve_path(config->input_path, name);
+  config->rom_path = yaml_path_beside(config->input_path, name);
   CAST_CHECK(config->rom_path, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
   config->reduction.scratch = config_array(strlen(config->rom_path) + sizeof ".shifts", 1);
   CAST_CHECK(config->reduction.scratch, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);

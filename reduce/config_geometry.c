@@ -66,7 +66,7 @@ static CastStatus read_file_name(YamlNode geometry, ReduceConfig *config, CastEr
     yaml_problem(node, "'%s': %s", file,
                  yaml_exists(stl) ? "an .stl file is expected here; other geometry is 'file'"
                                   : "the STL file of a cavity is 'stl', with a 'flask'");
-  config->geometry_path = config_resolve_path(config->input_path, file);
+  config->geometry_path = yaml_path_beside(config->input_path, file);
   CAST_CHECK(config->geometry_path, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
   CastError fault;
   if (hash_file(config->geometry_path, config->geometry_sha256, &fault) != CAST_OK)

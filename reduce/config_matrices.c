@@ -10,7 +10,7 @@ static CastStatus read_file(YamlNode node, const ReduceConfig *config, char **pa
 {
   const char *file = yaml_string(node, NULL);
   if (!file) return CAST_OK;
-  *path = config_resolve_path(config->input_path, file);
+  *path = yaml_path_beside(config->input_path, file);
   CAST_CHECK(*path, err, CAST_ERR_MEMORY, CONFIG_NO_MEMORY);
   CastError fault;
   char digest[65];

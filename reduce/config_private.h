@@ -17,8 +17,6 @@ CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, Ca
 bool config_read_name(YamlNode map, size_t i, char name[NAME_LENGTH]);
 /* Number of entries of a map that must be there and not be empty. */
 size_t config_count_entries(YamlNode map, const char *what);
-/* `file` as seen from the folder of the input file; malloc'ed. */
-char *config_resolve_path(const char *input_path, const char *file);
 void *config_array(size_t n, size_t size); // calloc that gives a valid pointer for n = 0 as well
 #define CONFIG_NO_MEMORY "no memory for the input"
 

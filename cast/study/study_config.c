@@ -8,17 +8,6 @@
 #include "cast/study/study.h"
 #include "common/yaml_input.h"
 
-/* A path beside the input file, unless it is absolute. */
-static char *resolve(const char *input_path, const char *path)
-{
-  const char *slash = strrchr(input_path, '/');
-  const int folder = slash && path[0] != '/' ? (int)(slash - input_path) + 1 : 0;
-  const size_t size = (size_t)folder + strlen(path) + 1;
-  char *joined = malloc(size);
-  if (joined) snprintf(joined, size, "%.*s%s", folder, input_path, path);
-  return joined;
-}
-
 /* "850 degC" -> 850 and "degC". What the unit means is for the case's input to say. */
 static bool split_quantity(const char *text, double *number, char unit[32])
 {
@@ -127,8 +116,8 @@ static CastStatus read_root(YamlInput *input, StudyConfig *config, CastError *er
   const YamlNode root = yaml_root(input);
   const char *path = yaml_input_path(input);
   config->title = strdup(yaml_string(yaml_get(root, "title"), "study"));
-  config->case_path = resolve(path, yaml_string(yaml_require(root, "case"), ""));
-  config->folder = resolve(path, yaml_string(yaml_require(root, "folder"), ""));
+  config->case_path = yaml_path_beside(path, yaml_string(yaml_require(root, "case"), ""));
+  config->folder = yaml_path_beside(path, yaml_string(yaml_require(root, "folder"), ""));
   CAST_CHECK(config->title && config->case_path && config->folder, err, CAST_ERR_MEMORY, "no memory");
   config->plan = (StudyPlan)yaml_choice(yaml_get(root, "plan"), PLANS, STUDY_GRID);
   const YamlNode samples = yaml_get(root, "samples"), seed = yaml_get(root, "seed");
