@@ -7,7 +7,7 @@ SetFactory("OpenCASCADE");
 radius = 23.5; height = 55;
 basin = 10; basin_floor = 44;   // square basin, open at the top
 channel_r = 1.5; channel_x = 2.5;
-runner_x = 11; runner_y = 4; runner_low = 22; runner_high = 24;
+runner_x = 12; runner_y = 4; runner_low = 22; runner_high = 24;
 pin_r = 0.5; pin_low = 18;
 
 Cylinder(1) = {0, 0, 0, 0, 0, height, radius};
@@ -16,8 +16,8 @@ Cylinder(3) = {-channel_x, 0, runner_high - 0.5, 0, 0, basin_floor - runner_high
 Cylinder(4) = {channel_x, 0, runner_high - 0.5, 0, 0, basin_floor - runner_high + 1, channel_r};
 Box(5) = {-runner_x / 2, -runner_y / 2, runner_low, runner_x, runner_y, runner_high - runner_low};
 For i In {0:5}
-  Cylinder(6 + 2 * i) = {-4.5 + 1.8 * i, -1, pin_low, 0, 0, runner_low - pin_low + 0.5, pin_r};
-  Cylinder(7 + 2 * i) = {-4.5 + 1.8 * i, 1, pin_low, 0, 0, runner_low - pin_low + 0.5, pin_r};
+  Cylinder(6 + 2 * i) = {-5 + 2 * i, -1, pin_low, 0, 0, runner_low - pin_low + 0.5, pin_r};
+  Cylinder(7 + 2 * i) = {-5 + 2 * i, 1, pin_low, 0, 0, runner_low - pin_low + 0.5, pin_r};
 EndFor
 mould() = BooleanDifference{ Volume{1}; Delete; }{ Volume{2:17}; Delete; };
 Physical Volume("mould") = {mould()};
