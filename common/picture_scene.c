@@ -7,11 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-  for (int d = 0; d < 3; d++) c[d] = a[(d + 1) % 3] * b[(d + 2) % 3] - a[(d + 2) % 3] * b[(d + 1) % 3];
-}
-
 static void aim(const PictureScene *scene, PictureView *view)
 {
   const double azimuth = scene->azimuth * M_PI / 180.0, elevation = scene->elevation * M_PI / 180.0;
@@ -21,7 +16,7 @@ static void aim(const PictureScene *scene, PictureView *view)
     view->near[d] = near[d];
     view->right[d] = right[d];
   }
-  cross(near, right, view->up);
+  vec_cross(near, right, view->up);
 }
 
 typedef struct Frame { // m, along right and up
@@ -30,7 +25,7 @@ typedef struct Frame { // m, along right and up
 
 static void include(const PictureView *view, const double x[3], double margin, Frame *frame)
 {
-  const double place[2] = {picture_dot(x, view->right), picture_dot(x, view->up)};
+  const double place[2] = {vec_dot(x, view->right), vec_dot(x, view->up)};
   for (int d = 0; d < 2; d++) {
     frame->low[d] = fmin(frame->low[d], place[d] - margin);
     frame->high[d] = fmax(frame->high[d], place[d] + margin);
@@ -62,7 +57,7 @@ static Frame measure(const PictureScene *scene, const PictureView *view)
 double picture_beyond_cut(const PictureScene *scene, const double x[3])
 {
   const double from[3] = {x[0] - scene->cut_point[0], x[1] - scene->cut_point[1], x[2] - scene->cut_point[2]};
-  return picture_dot(from, scene->cut_normal);
+  return vec_dot(from, scene->cut_normal);
 }
 
 static double beyond_cut(const PictureScene *scene, bool clipped, const double x[3])
@@ -72,17 +67,17 @@ static double beyond_cut(const PictureScene *scene, bool clipped, const double x
 
 RasterVertex picture_project(const PictureView *view, const double x[3])
 {
-  return (RasterVertex){.x = view->half[0] + (picture_dot(x, view->right) - view->middle[0]) * view->scale,
-                        .y = view->half[1] - (picture_dot(x, view->up) - view->middle[1]) * view->scale,
-                        .z = picture_dot(x, view->near) * view->scale};
+  return (RasterVertex){.x = view->half[0] + (vec_dot(x, view->right) - view->middle[0]) * view->scale,
+                        .y = view->half[1] - (vec_dot(x, view->up) - view->middle[1]) * view->scale,
+                        .z = vec_dot(x, view->near) * view->scale};
 }
 
 /* Cosine to a lamp a little to the upper left of the viewer, between `ambient` and 1. */
 static double lighting(const PictureView *view, const double normal[3], double ambient)
 {
-  const double length = sqrt(picture_dot(normal, normal));
-  const double toward = 0.94 * picture_dot(normal, view->near) + 0.28 * picture_dot(normal, view->up) -
-                        0.18 * picture_dot(normal, view->right);
+  const double length = sqrt(vec_dot(normal, normal));
+  const double toward =
+      0.94 * vec_dot(normal, view->near) + 0.28 * vec_dot(normal, view->up) - 0.18 * vec_dot(normal, view->right);
   return ambient + (1.0 - ambient) * fmax(0.0, toward / length);
 }
 
@@ -104,8 +99,8 @@ static void draw_triangle(const PictureScene *scene, const PictureSurface *surfa
     u[d] = corner[1][d] - corner[0][d];
     v[d] = corner[2][d] - corner[0][d];
   }
-  cross(u, v, normal);
-  const bool behind = picture_dot(normal, view->near) < 0.0;
+  vec_cross(u, v, normal);
+  const bool behind = vec_dot(normal, view->near) < 0.0;
   const PictureColour *inside = &surface->inside;
   const bool grey = inside->red + inside->green + inside->blue == 0.0;
   RasterPaint paint = {.colour = surface->colours ? surface->colours[t] : surface->colour,
@@ -121,10 +116,10 @@ static void draw_triangle(const PictureScene *scene, const PictureSurface *surfa
 /* Put what was seen of the solids' insides where the cut face is, so that balls before and behind it are told apart. */
 static void raise_cut(const PictureScene *scene, const PictureView *view, Raster *raster)
 {
-  const double slope = scene->cut ? picture_dot(scene->cut_normal, view->near) : 0.0;
+  const double slope = scene->cut ? vec_dot(scene->cut_normal, view->near) : 0.0;
   if (slope <= 0.0) return;
-  const double level = picture_dot(scene->cut_normal, scene->cut_point);
-  const double along = picture_dot(scene->cut_normal, view->right), upward = picture_dot(scene->cut_normal, view->up);
+  const double level = vec_dot(scene->cut_normal, scene->cut_point);
+  const double along = vec_dot(scene->cut_normal, view->right), upward = vec_dot(scene->cut_normal, view->up);
   for (int y = 0; y < raster->height; y++)
     for (int x = 0; x < raster->width; x++) {
       const size_t i = (size_t)y * (size_t)raster->width + (size_t)x;

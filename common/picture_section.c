@@ -46,7 +46,7 @@ static void draw_cut(const PictureSection *section, const PictureView *view, con
 void picture_draw_section(const PictureScene *scene, const PictureView *view, Raster *raster)
 {
   const PictureSection *section = scene->section;
-  if (picture_dot(scene->cut_normal, view->near) <= 0.0) return; // the cut face looks away
+  if (vec_dot(scene->cut_normal, view->near) <= 0.0) return; // the cut face looks away
   for (size_t t = 0; t < section->n_tetrahedra; t++) {
     const int32_t *corner = section->tetrahedra + 4 * t;
     double above[4];

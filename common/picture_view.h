@@ -3,6 +3,7 @@
 #define COMMON_PICTURE_VIEW_H
 
 #include "common/picture_raster.h"
+#include "common/vector.h"
 
 typedef struct PictureView {
   double right[3], up[3], near[3]; // unit vectors of the page, `near` towards the viewer
@@ -10,11 +11,6 @@ typedef struct PictureView {
   double middle[2];                // m along right and up, in the middle of the raster
   double half[2];                  // samples, half the raster
 } PictureView;
-
-static inline double picture_dot(const double a[3], const double b[3])
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 RasterVertex picture_project(const PictureView *view, const double x[3]);
 double picture_beyond_cut(const PictureScene *scene, const double x[3]); // m, > 0: taken away

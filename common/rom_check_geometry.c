@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/vector.h"
+
 enum { LARGEST_GEOMETRY = 1 << 30 };
 /* Areas and volumes come from the same corners as the model's; only rounding stands between them. The basis is float.
  */
@@ -19,25 +21,13 @@ static void edge_vector(const double *from, const double *to, double vector[3])
   for (int d = 0; d < 3; d++) vector[d] = to[d] - from[d];
 }
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Twice the area, along the normal. */
 static void triangle_normal(const RomData *rom, const int32_t *triangle, double normal[3])
 {
   double u[3], v[3];
   edge_vector(corner(rom, triangle[0]), corner(rom, triangle[1]), u);
   edge_vector(corner(rom, triangle[0]), corner(rom, triangle[2]), v);
-  cross(u, v, normal);
+  vec_cross(u, v, normal);
 }
 
 static CastStatus check_indices(const char *set, const int32_t *indices, size_t n, size_t limit, CastError *err)
@@ -71,7 +61,7 @@ static CastStatus check_areas(const RomData *rom, double *area, CastError *err)
   for (size_t t = 0; t < rom->n_triangles; t++) {
     double normal[3];
     triangle_normal(rom, rom->triangles + 3 * t, normal);
-    const double size = 0.5 * sqrt(dot(normal, normal));
+    const double size = 0.5 * sqrt(vec_dot(normal, normal));
     const double *at = corner(rom, rom->triangles[3 * t]);
     ROM_CHECK(size > 0.0, err, "geometry/triangles: triangle %zu at (%g, %g, %g) m has no area", t, at[0], at[1],
               at[2]);
@@ -101,7 +91,7 @@ static double enclosed_volume(const RomData *rom)
     double normal[3], from_origin[3];
     triangle_normal(rom, rom->triangles + 3 * t, normal);
     edge_vector(rom->points, corner(rom, rom->triangles[3 * t]), from_origin);
-    volume += dot(normal, from_origin) / 6.0;
+    volume += vec_dot(normal, from_origin) / 6.0;
   }
   return volume;
 }
@@ -134,7 +124,7 @@ static CastStatus check_tetrahedra(const RomData *rom, CastError *err)
     double normal[3], w[3];
     triangle_normal(rom, tetrahedron, normal);
     edge_vector(at, corner(rom, tetrahedron[3]), w);
-    const double volume = dot(normal, w) / 6.0;
+    const double volume = vec_dot(normal, w) / 6.0;
     ROM_CHECK(volume > 0.0, err,
               "geometry/tetrahedra: tetrahedron %zu at (%g, %g, %g) m has volume %g m3, a positive "
               "one is expected",

@@ -6,7 +6,7 @@
 #define CAST_GEOMETRY_SURFACE_INTERNAL_H
 
 #include "cast/geometry/surface.h"
-#include "cast/geometry/vector.h"
+#include "common/vector.h"
 
 typedef struct Facet {
   double corner[3][3];      // m; the same bits in every triangle that shares the point

@@ -31,7 +31,6 @@ typedef struct Work {
   StudyPoint *point;
   StudyResult *result;
   Running *running; // [at_once]
-  size_t finished;
 } Work;
 
 static void folder_of(const Work *w, size_t run, char path[4200])
@@ -42,13 +41,12 @@ static void folder_of(const Work *w, size_t run, char path[4200])
 /* The lines of `overrides` of a run. The caller owns the text; NULL: no memory. */
 static char *overrides_of(const Work *w, size_t run)
 {
-  char *text = NULL, folder[4200];
+  char *text = NULL;
   size_t size = 0;
   FILE *out = open_memstream(&text, &size);
   if (!out) return NULL;
   for (size_t k = 0; k < w->config->n_keys; k++)
     fprintf(out, "  \"%s\": %s\n", w->config->key[k].path, w->point[run].value[k]);
-  folder_of(w, run, folder);
   char *absolute = realpath(w->config->folder, NULL);
   fprintf(out, "  output.folder: \"%s/run-%04zu\"\n", absolute ? absolute : w->config->folder, run + 1);
   free(absolute);
@@ -132,12 +130,13 @@ static CastStatus compute(const Work *w, size_t run, bool resume, SimEnd *end, C
   return status;
 }
 
-static void launch(Work *w, Running *slot, size_t run)
+/* begun: the folder holds this run's beginning */
+static void launch(Work *w, Running *slot, size_t run, bool begun)
 {
   char folder[4200], path[4300];
   folder_of(w, run, folder);
   snprintf(path, sizeof path, "%s/checkpoint.h5", folder);
-  const bool resume = same_run(w, run) && access(path, R_OK) == 0;
+  const bool resume = begun && access(path, R_OK) == 0;
   fflush(NULL);
   *slot = (Running){fork(), run, log_wall_time()};
   if (slot->process != 0) return;
@@ -177,12 +176,12 @@ static void tell(const Work *w, size_t run, const char *how, double seconds)
   log_info(w->how->log, "run-%04zu: %s: %s%s (%.0f s)", run + 1, what, r->done ? r->outcome : how, value, seconds);
 }
 
-/* Wait for one run to end. false: a signal came first. */
-static bool collect_one(Work *w)
+/* Wait for one run to end, or for a signal. */
+static void collect_one(Work *w)
 {
   int status = 0;
   const pid_t process = waitpid(-1, &status, 0);
-  if (process < 0) return errno != EINTR;
+  if (process < 0) return;
   for (long k = 0; k < w->config->at_once; k++) {
     Running *slot = &w->running[k];
     if (slot->process != process) continue;
@@ -203,9 +202,7 @@ static bool collect_one(Work *w)
     unlink(path);
     tell(w, slot->run, result->outcome, log_wall_time() - slot->begun);
     slot->process = 0;
-    w->finished++;
   }
-  return true;
 }
 
 static bool any_running(const Work *w)
@@ -247,16 +244,18 @@ static CastStatus run_range(Work *w, size_t first, size_t end, CastError *err)
     if (slot && next < end) {
       char folder[4200];
       folder_of(w, next, folder);
-      if (same_run(w, next)) study_result_read(folder, &w->result[next]);
+      const bool begun = same_run(w, next);
+      if (begun) study_result_read(folder, &w->result[next]);
       if (w->result[next].done)
         tell(w, next, "", 0.0);
       else
-        launch(w, slot, next);
+        launch(w, slot, next, begun);
       CAST_CHECK(slot->process >= 0, err, CAST_ERR_MEMORY, "no process can be started: %s", strerror(errno));
       next++;
       continue;
     }
-    if (any_running(w)) collect_one(w);
+    if (!any_running(w)) continue;
+    collect_one(w);
     CAST_CALL(study_write_table(w->config, w->n, w->point, w->result, err));
   }
   return study_write_table(w->config, w->n, w->point, w->result, err);

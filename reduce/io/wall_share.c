@@ -2,7 +2,7 @@
 #include "reduce/collective.h"
 #include "reduce/io/wall_geometry_private.h"
 #include "reduce/mesh/triangle_tree.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 #include "reduce/petsc_compat.h"
 
 enum { MOST_CORNERS = 4 };
@@ -65,11 +65,11 @@ static PetscErrorCode get_corners(DM dm, PetscInt point, Corners *corners)
 static PetscReal signed_volume(const Corners *triangle, const PetscReal top[3])
 {
   double u[3], v[3], normal[3], w[3];
-  vector_between(triangle->x[0], triangle->x[1], u);
-  vector_between(triangle->x[0], triangle->x[2], v);
-  vector_between(triangle->x[0], top, w);
-  vector_cross(u, v, normal);
-  return vector_dot(normal, w) / 6.0;
+  vec_between(triangle->x[0], triangle->x[1], u);
+  vec_between(triangle->x[0], triangle->x[2], v);
+  vec_between(triangle->x[0], top, w);
+  vec_cross(u, v, normal);
+  return vec_dot(normal, w) / 6.0;
 }
 
 static PetscErrorCode global_numbers(const WallShare *share, const Corners *corners, PetscInt *numbers)
@@ -186,12 +186,12 @@ static bool reaches_band(const TriangleTree *tree, PetscReal x[4][3], PetscReal 
   PetscReal centre[3], radius = 0.0, longest = -1.0, half[4][3];
   int edge = 0;
   for (int d = 0; d < 3; d++) centre[d] = 0.25 * (x[0][d] + x[1][d] + x[2][d] + x[3][d]);
-  for (int k = 0; k < 4; k++) radius = PetscMax(radius, vector_distance(centre, x[k]));
+  for (int k = 0; k < 4; k++) radius = PetscMax(radius, vec_distance(centre, x[k]));
   const PetscReal distance = triangle_tree_query(tree, centre, band + radius);
   if (distance >= band + radius) return false;
   if (distance <= band || depth == 0) return true;
   for (int e = 0; e < 6; e++) {
-    const PetscReal length = vector_distance(x[edges[e][0]], x[edges[e][1]]);
+    const PetscReal length = vec_distance(x[edges[e][0]], x[edges[e][1]]);
     if (length <= longest) continue;
     longest = length;
     edge = e;

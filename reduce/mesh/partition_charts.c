@@ -4,32 +4,18 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include "reduce/mesh/vector.h"
+
+#include "common/vector.h"
+#include "reduce/mesh/union_find.h"
 
 /* Between two faces of the geometry a turn of 40 degrees is an edge; within one, a coarse mesh of a round pin turns by
  * up to 60 degrees from triangle to triangle, and only more than that is one (surfaces without faces, such as STL). */
 static const double COS_EDGE = 0.76604444311897803, COS_EDGE_WITHIN = 0.42261826174069944; // 40, 65 degrees
 static const double SMALL = 0.25; // of a part's area: a chart below it joins a neighbour
 
-static int32_t find_root(int32_t *parent, int32_t t)
-{
-  while (parent[t] != t) t = parent[t] = parent[parent[t]];
-  return t;
-}
-
-static void join(int32_t *parent, int32_t a, int32_t b)
-{
-  a = find_root(parent, a);
-  b = find_root(parent, b);
-  if (a < b)
-    parent[b] = a;
-  else
-    parent[a] = b;
-}
-
 static bool is_sharp(const SurfaceGraph *graph, size_t s, size_t t)
 {
-  const double cosine = vector_dot(graph->normal + 3 * s, graph->normal + 3 * t);
+  const double cosine = vec_dot(graph->normal + 3 * s, graph->normal + 3 * t);
   return cosine < (graph->entity[s] == graph->entity[t] ? COS_EDGE_WITHIN : COS_EDGE);
 }
 
@@ -39,8 +25,8 @@ static int32_t find_small_chart(const SurfaceGraph *graph, int32_t *parent, cons
   int32_t smallest = -1;
   for (size_t i = 0; i < 3 * graph->n; i++) {
     if (graph->neighbour[i] < 0) continue;
-    const int32_t chart = find_root(parent, (int32_t)(i / 3));
-    if (find_root(parent, graph->neighbour[i]) == chart || area[chart] >= limit) continue;
+    const int32_t chart = union_find_root(parent, (int32_t)(i / 3));
+    if (union_find_root(parent, graph->neighbour[i]) == chart || area[chart] >= limit) continue;
     if (smallest < 0 || area[chart] < area[smallest] || (area[chart] == area[smallest] && chart < smallest))
       smallest = chart;
   }
@@ -52,14 +38,14 @@ static int32_t find_best_neighbour(const SurfaceGraph *graph, int32_t *parent, i
 {
   int32_t best = -1;
   for (size_t i = 0; i < 3 * graph->n; i++) {
-    if (graph->neighbour[i] < 0 || find_root(parent, (int32_t)(i / 3)) != chart) continue;
-    const int32_t other = find_root(parent, graph->neighbour[i]);
+    if (graph->neighbour[i] < 0 || union_find_root(parent, (int32_t)(i / 3)) != chart) continue;
+    const int32_t other = union_find_root(parent, graph->neighbour[i]);
     if (other == chart) continue;
     shared[other] += graph->border[i];
     if (best < 0 || shared[other] > shared[best] || (shared[other] == shared[best] && other < best)) best = other;
   }
   for (size_t i = 0; i < 3 * graph->n; i++)
-    if (graph->neighbour[i] >= 0) shared[find_root(parent, graph->neighbour[i])] = 0.0;
+    if (graph->neighbour[i] >= 0) shared[union_find_root(parent, graph->neighbour[i])] = 0.0;
   return best;
 }
 
@@ -68,8 +54,8 @@ static void merge_small_charts(const SurfaceGraph *graph, double limit, int32_t 
   for (int32_t chart; (chart = find_small_chart(graph, parent, area, limit)) >= 0;) {
     const int32_t other = find_best_neighbour(graph, parent, chart, shared);
     const double sum = area[chart] + area[other];
-    join(parent, chart, other);
-    area[find_root(parent, chart)] = sum;
+    union_find_join(parent, chart, other);
+    area[union_find_root(parent, chart)] = sum;
   }
 }
 
@@ -77,7 +63,7 @@ static size_t number_charts(size_t n, int32_t *parent, int32_t *chart)
 {
   int32_t next = 0;
   for (size_t t = 0; t < n; t++) { // a root is the least of its chart, hence met first
-    const int32_t root = find_root(parent, (int32_t)t);
+    const int32_t root = union_find_root(parent, (int32_t)t);
     chart[t] = root == (int32_t)t ? next++ : chart[root];
   }
   return (size_t)next;
@@ -95,8 +81,8 @@ CastStatus partition_charts(const SurfaceGraph *graph, double target_area, int32
     for (size_t t = 0; t < graph->n; t++) parent[t] = (int32_t)t;
     for (size_t i = 0; i < 3 * graph->n; i++)
       if (graph->neighbour[i] >= 0 && !is_sharp(graph, i / 3, (size_t)graph->neighbour[i]))
-        join(parent, (int32_t)(i / 3), graph->neighbour[i]);
-    for (size_t t = 0; t < graph->n; t++) area[find_root(parent, (int32_t)t)] += graph->area[t];
+        union_find_join(parent, (int32_t)(i / 3), graph->neighbour[i]);
+    for (size_t t = 0; t < graph->n; t++) area[union_find_root(parent, (int32_t)t)] += graph->area[t];
     merge_small_charts(graph, SMALL * target_area, parent, area, shared);
     *n_charts = number_charts(graph->n, parent, chart);
   }

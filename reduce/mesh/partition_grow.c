@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "reduce/mesh/partition.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 enum { LLOYD_STEPS = 40, WEIGHT_STEPS = 20 }; // the last ones only balance areas
 
@@ -149,7 +149,7 @@ static void move_seeds(Grower *grower)
   for (size_t l = 0; l < grower->n_parts; l++) nearest[l] = DBL_MAX;
   for (size_t i = 0; i < grower->n; i++) {
     const size_t t = (size_t)grower->triangle[i], l = (size_t)grower->label[t];
-    const double distance = vector_distance(grower->graph->centre + 3 * t, grower->centre + 3 * l);
+    const double distance = vec_distance(grower->graph->centre + 3 * t, grower->centre + 3 * l);
     if (distance >= nearest[l]) continue;
     nearest[l] = distance;
     grower->seed[l] = (int32_t)t;

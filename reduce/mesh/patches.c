@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "reduce/mesh/partition.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 static const double FIXED_BIOT = 1e5; // h L/kappa of a wall of fixed temperature
 
@@ -107,7 +107,7 @@ static void measure(const TetMesh *mesh, Patches *patches)
     RomPatch *patch = &patches->patch[patches->of_triangle[t]];
     double normal[3];
     tet_mesh_triangle_normal(mesh, triangle, normal);
-    const double area = 0.5 * vector_norm(normal);
+    const double area = 0.5 * vec_norm(normal);
     patches->triangle_count[patches->of_triangle[t]]++;
     patch->area += area;
     for (size_t k = 0; k < 3; k++)

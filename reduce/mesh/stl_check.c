@@ -7,7 +7,7 @@
 #include <string.h>
 #include "reduce/mesh/faults.h"
 #include "reduce/mesh/stl_file.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 enum { MOST_REPORTED = 5 }; // of each kind, by place
 
@@ -91,10 +91,10 @@ static void check_triangles(Checker *checker)
   for (size_t t = 0; t < surface->n_triangles; t++) {
     double u[3], v[3], normal[3];
     const double *a = corner_of(surface, t, 0);
-    vector_between(a, corner_of(surface, t, 1), u);
-    vector_between(a, corner_of(surface, t, 2), v);
-    vector_cross(u, v, normal);
-    if (vector_norm(normal) > 1e-12 * checker->size * checker->size || count++ >= MOST_REPORTED) continue;
+    vec_between(a, corner_of(surface, t, 1), u);
+    vec_between(a, corner_of(surface, t, 2), v);
+    vec_cross(u, v, normal);
+    if (vec_norm(normal) > 1e-12 * checker->size * checker->size || count++ >= MOST_REPORTED) continue;
     faults_add(&checker->faults, "triangle %zu at (%.6g, %.6g, %.6g) mm has no area", t + 1, a[0] * checker->to_mm,
                a[1] * checker->to_mm, a[2] * checker->to_mm);
   }
@@ -117,11 +117,11 @@ static int by_low_x(const void *left, const void *right)
 static double volume_of(const double *a, const double *b, const double *c, const double *d)
 {
   double u[3], v[3], w[3], cross[3];
-  vector_between(a, b, u);
-  vector_between(a, c, v);
-  vector_between(a, d, w);
-  vector_cross(u, v, cross);
-  return vector_dot(cross, w);
+  vec_between(a, b, u);
+  vec_between(a, c, v);
+  vec_between(a, d, w);
+  vec_cross(u, v, cross);
+  return vec_dot(cross, w);
 }
 
 /* Does the segment pq go through the inside of the triangle? To touch it is not enough. */
@@ -207,7 +207,7 @@ CastStatus stl_check(const StlSurface *surface, const char *path, double unit, C
   char heading[512];
   snprintf(heading, sizeof heading, "'%.400s'", path);
   for (size_t i = 0; i < surface->n_points; i++)
-    checker.size = fmax(checker.size, vector_distance(surface->x, surface->x + 3 * i));
+    checker.size = fmax(checker.size, vec_distance(surface->x, surface->x + 3 * i));
   check_triangles(&checker);
   CAST_CALL(faults_finish(&checker.faults, heading));
   CAST_CALL(check_edges(&checker, err));

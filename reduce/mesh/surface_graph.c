@@ -3,7 +3,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 typedef struct Edge {
   int32_t low, high; // points
@@ -37,16 +37,16 @@ static void measure_triangle(SurfaceGraph *graph, const double *x, const int32_t
   const double *corner[3];
   double u[3], v[3], *normal = graph->normal + 3 * t;
   for (size_t k = 0; k < 3; k++) corner[k] = x + 3 * (size_t)triangle[3 * t + k];
-  vector_between(corner[0], corner[1], u);
-  vector_between(corner[0], corner[2], v);
-  vector_cross(u, v, normal);
-  const double size = vector_norm(normal);
+  vec_between(corner[0], corner[1], u);
+  vec_between(corner[0], corner[2], v);
+  vec_cross(u, v, normal);
+  const double size = vec_norm(normal);
   graph->area[t] = 0.5 * size;
   for (size_t d = 0; d < 3; d++) {
     normal[d] = size > 0.0 ? normal[d] / size : 0.0;
     graph->centre[3 * t + d] = (corner[0][d] + corner[1][d] + corner[2][d]) / 3.0;
   }
-  for (size_t k = 0; k < 3; k++) graph->border[3 * t + k] = vector_distance(corner[k], corner[(k + 1) % 3]);
+  for (size_t k = 0; k < 3; k++) graph->border[3 * t + k] = vec_distance(corner[k], corner[(k + 1) % 3]);
 }
 
 static void link_neighbours(SurfaceGraph *graph, const double *x, const Edge *a, const Edge *b)
@@ -54,7 +54,7 @@ static void link_neighbours(SurfaceGraph *graph, const double *x, const Edge *a,
   double middle[3];
   for (size_t d = 0; d < 3; d++) middle[d] = 0.5 * (x[3 * (size_t)a->low + d] + x[3 * (size_t)a->high + d]);
   const size_t s = (size_t)a->place / 3, t = (size_t)b->place / 3;
-  const double step = vector_distance(graph->centre + 3 * s, middle) + vector_distance(middle, graph->centre + 3 * t);
+  const double step = vec_distance(graph->centre + 3 * s, middle) + vec_distance(middle, graph->centre + 3 * t);
   graph->neighbour[a->place] = (int32_t)t;
   graph->neighbour[b->place] = (int32_t)s;
   graph->step[a->place] = graph->step[b->place] = step;

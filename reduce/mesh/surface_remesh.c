@@ -3,14 +3,14 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 void remesh_normal(const double *x, const int32_t *triangle, double normal[3])
 {
   double u[3], v[3];
-  vector_between(x + 3 * (size_t)triangle[0], x + 3 * (size_t)triangle[1], u);
-  vector_between(x + 3 * (size_t)triangle[0], x + 3 * (size_t)triangle[2], v);
-  vector_cross(u, v, normal);
+  vec_between(x + 3 * (size_t)triangle[0], x + 3 * (size_t)triangle[1], u);
+  vec_between(x + 3 * (size_t)triangle[0], x + 3 * (size_t)triangle[2], v);
+  vec_cross(u, v, normal);
 }
 
 static int by_ends(const void *left, const void *right)
@@ -27,7 +27,7 @@ static bool is_sharp(const RemeshSurface *surface, int32_t s, int32_t t, double 
   if (surface->tag[s] != surface->tag[t]) return true;
   remesh_normal(surface->x, surface->triangle + 3 * s, a);
   remesh_normal(surface->x, surface->triangle + 3 * t, b);
-  return vector_dot(a, b) < cos(split_angle) * vector_norm(a) * vector_norm(b);
+  return vec_dot(a, b) < cos(split_angle) * vec_norm(a) * vec_norm(b);
 }
 
 CastStatus remesh_list_edges(const RemeshSurface *surface, double split_angle, RemeshEdge **edges, size_t *n,

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "reduce/mesh/surface_remesh.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 static const double TOO_SHORT = 0.6, TOO_LONG = 1.5; // of the length wanted
 static const double LARGEST_BEND = 0.98;             // cosine between a triangle's normal before and after: 11 degrees
@@ -62,9 +62,9 @@ static bool may_go(const Collapser *c, int32_t from, int32_t to, bool sharp)
   double u[3], v[3];
   const double *x = c->surface->x;
   const int32_t back = c->sharp[from][0] == to ? c->sharp[from][1] : c->sharp[from][0];
-  vector_between(x + 3 * (size_t)back, x + 3 * (size_t)from, u);
-  vector_between(x + 3 * (size_t)from, x + 3 * (size_t)to, v);
-  return vector_dot(u, v) > STRAIGHT * vector_norm(u) * vector_norm(v);
+  vec_between(x + 3 * (size_t)back, x + 3 * (size_t)from, u);
+  vec_between(x + 3 * (size_t)from, x + 3 * (size_t)to, v);
+  return vec_dot(u, v) > STRAIGHT * vec_norm(u) * vec_norm(v);
 }
 
 static bool holds(const int32_t *triangle, int32_t point)
@@ -78,8 +78,8 @@ static double fullness_of(const double *x, const int32_t *triangle)
   double normal[3], longest = 0.0;
   remesh_normal(x, triangle, normal);
   for (int k = 0; k < 3; k++)
-    longest = fmax(longest, vector_distance(x + 3 * (size_t)triangle[k], x + 3 * (size_t)triangle[(k + 1) % 3]));
-  return vector_norm(normal) / (longest * longest);
+    longest = fmax(longest, vec_distance(x + 3 * (size_t)triangle[k], x + 3 * (size_t)triangle[(k + 1) % 3]));
+  return vec_norm(normal) / (longest * longest);
 }
 
 /* What is left of the star of `from` when it has gone to `to`: no triangle may turn, and no edge become too long.
@@ -99,12 +99,12 @@ static double judge_star(const Collapser *c, int32_t from, int32_t to)
       if (triangle[k] == from || triangle[k] == to) continue;
       common += remesh_find_edge(c->edges, c->n_edges, triangle[k], to) != NULL; // each neighbour stands in two
       const double *x = surface->x + 3 * (size_t)triangle[k], *y = surface->x + 3 * (size_t)to;
-      if (vector_distance(x, y) > TOO_LONG * c->size->at(c->size->context, x)) return 0.0;
+      if (vec_distance(x, y) > TOO_LONG * c->size->at(c->size->context, x)) return 0.0;
     }
     if (holds(triangle, to)) continue;
     remesh_normal(surface->x, triangle, before);
     remesh_normal(surface->x, moved, after);
-    least = fmin(least, vector_dot(before, after) / (vector_norm(before) * vector_norm(after) + 1e-300));
+    least = fmin(least, vec_dot(before, after) / (vec_norm(before) * vec_norm(after) + 1e-300));
     if (!(least > LARGEST_BEND)) return 0.0;
     const double fullness = fullness_of(surface->x, moved);
     if (fullness < NEEDLE && fullness < fullness_of(surface->x, triangle)) return 0.0;
@@ -140,7 +140,7 @@ static void sweep(RemeshSurface *surface)
 static bool try_edge(Collapser *c, const RemeshEdge *edge)
 {
   const double *a = c->surface->x + 3 * (size_t)edge->low, *b = c->surface->x + 3 * (size_t)edge->high;
-  if (vector_distance(a, b) >= TOO_SHORT * c->size->at(c->size->context, a)) return false;
+  if (vec_distance(a, b) >= TOO_SHORT * c->size->at(c->size->context, a)) return false;
   const int32_t ends[2] = {edge->low, edge->high};
   double best = 0.0;
   int which = -1; // of the two the one whose going bends the surface less: on a facet rather than between two

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "reduce/mesh/surface_remesh.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 static const double LARGEST_BEND = 0.98; // cosine: the surface would leave the file's facets
 
@@ -25,10 +25,10 @@ static Quad quad_of(const RemeshSurface *surface, const RemeshEdge *edge)
 static double cotangent(const double *at, const double *p, const double *q)
 {
   double u[3], v[3], cross[3];
-  vector_between(at, p, u);
-  vector_between(at, q, v);
-  vector_cross(u, v, cross);
-  return vector_dot(u, v) / fmax(vector_norm(cross), 1e-300);
+  vec_between(at, p, u);
+  vec_between(at, q, v);
+  vec_cross(u, v, cross);
+  return vec_dot(u, v) / fmax(vec_norm(cross), 1e-300);
 }
 
 static bool improves(const RemeshSurface *surface, const Quad *quad)
@@ -44,7 +44,7 @@ static bool improves(const RemeshSurface *surface, const Quad *quad)
   remesh_normal(x, (int32_t[]){quad->d, quad->c, quad->a}, new[1]);
   for (int i = 0; i < 2; i++)
     for (int k = 0; k < 2; k++)
-      if (!(vector_dot(old[i], new[k]) > LARGEST_BEND * vector_norm(old[i]) * vector_norm(new[k]))) return false;
+      if (!(vec_dot(old[i], new[k]) > LARGEST_BEND * vec_norm(old[i]) * vec_norm(new[k]))) return false;
   return true;
 }
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "reduce/mesh/surface_remesh.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 static const double TOO_LONG = 1.4; // of the length wanted
 
@@ -17,7 +17,7 @@ typedef struct Splitter {
 
 static double length_of(const RemeshSurface *surface, const RemeshEdge *edge)
 {
-  return vector_distance(surface->x + 3 * (size_t)edge->low, surface->x + 3 * (size_t)edge->high);
+  return vec_distance(surface->x + 3 * (size_t)edge->low, surface->x + 3 * (size_t)edge->high);
 }
 
 /* At most 3 marked edges: at most 4 triangles. */

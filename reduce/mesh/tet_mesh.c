@@ -4,7 +4,7 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 CastStatus tet_mesh_create(size_t n_points, size_t n_tets, size_t n_triangles, TetMesh **mesh, CastError *err)
 {
@@ -57,17 +57,17 @@ static const double *point(const TetMesh *mesh, int32_t i)
 void tet_mesh_triangle_normal(const TetMesh *mesh, const int32_t *triangle, double normal[3])
 {
   double u[3], v[3];
-  vector_between(point(mesh, triangle[0]), point(mesh, triangle[1]), u);
-  vector_between(point(mesh, triangle[0]), point(mesh, triangle[2]), v);
-  vector_cross(u, v, normal);
+  vec_between(point(mesh, triangle[0]), point(mesh, triangle[1]), u);
+  vec_between(point(mesh, triangle[0]), point(mesh, triangle[2]), v);
+  vec_cross(u, v, normal);
 }
 
 double tet_mesh_tet_volume(const TetMesh *mesh, const int32_t *tet)
 {
   double normal[3], w[3];
   tet_mesh_triangle_normal(mesh, tet, normal);
-  vector_between(point(mesh, tet[0]), point(mesh, tet[3]), w);
-  return vector_dot(normal, w) / 6.0;
+  vec_between(point(mesh, tet[0]), point(mesh, tet[3]), w);
+  return vec_dot(normal, w) / 6.0;
 }
 
 /* r_in = 3 V/A;  r_out = sqrt(s (s-a)(s-b)(s-c)) / (6 V) with a, b, c the products of opposite edges and 2 s their sum
@@ -79,13 +79,13 @@ double tet_mesh_tet_quality(const TetMesh *mesh, const int32_t *tet)
   const double volume = tet_mesh_tet_volume(mesh, tet);
   double product[3], area = 0.0;
   for (int k = 0; k < 3; k++)
-    product[k] = vector_distance(point(mesh, tet[opposite[k][0]]), point(mesh, tet[opposite[k][1]])) *
-                 vector_distance(point(mesh, tet[opposite[k][2]]), point(mesh, tet[opposite[k][3]]));
+    product[k] = vec_distance(point(mesh, tet[opposite[k][0]]), point(mesh, tet[opposite[k][1]])) *
+                 vec_distance(point(mesh, tet[opposite[k][2]]), point(mesh, tet[opposite[k][3]]));
   for (int k = 0; k < 4; k++) {
     const int32_t triangle[3] = {tet[face[k][0]], tet[face[k][1]], tet[face[k][2]]};
     double normal[3];
     tet_mesh_triangle_normal(mesh, triangle, normal);
-    area += 0.5 * vector_norm(normal);
+    area += 0.5 * vec_norm(normal);
   }
   const double s = 0.5 * (product[0] + product[1] + product[2]);
   const double square = s * (s - product[0]) * (s - product[1]) * (s - product[2]);
@@ -150,12 +150,12 @@ CastStatus tet_mesh_measure(const TetMesh *mesh, const ReduceConfig *config, Tet
     const int32_t *triangle = mesh->triangle + 3 * t;
     double normal[3];
     tet_mesh_triangle_normal(mesh, triangle, normal);
-    const double area = 0.5 * vector_norm(normal);
+    const double area = 0.5 * vec_norm(normal);
     wall[n++] =
         (WallHeight){3.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * (size_t)mesh->triangle_tet[t]) / area, area};
     for (int k = 0; k < 3; k++)
       measures->shortest_edge =
-          fmin(measures->shortest_edge, vector_distance(point(mesh, triangle[k]), point(mesh, triangle[(k + 1) % 3])));
+          fmin(measures->shortest_edge, vec_distance(point(mesh, triangle[k]), point(mesh, triangle[(k + 1) % 3])));
   }
   qsort(wall, n, sizeof *wall, by_height);
   measures->first_layer = n > 0 ? wall[n / 2].height : 0.0;

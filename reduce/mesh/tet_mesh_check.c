@@ -4,8 +4,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+#include "common/vector.h"
 #include "reduce/mesh/faults.h"
-#include "reduce/mesh/vector.h"
+#include "reduce/mesh/union_find.h"
 
 typedef struct Face {
   int32_t point[3]; // ascending
@@ -65,22 +67,6 @@ static void list_faces(Checker *checker)
   qsort(checker->face, checker->n_faces, sizeof *checker->face, by_points);
 }
 
-static int32_t find_root(int32_t *parent, int32_t t)
-{
-  while (parent[t] != t) t = parent[t] = parent[parent[t]];
-  return t;
-}
-
-static void join(int32_t *parent, int32_t a, int32_t b)
-{
-  a = find_root(parent, a);
-  b = find_root(parent, b);
-  if (a < b)
-    parent[b] = a;
-  else
-    parent[a] = b;
-}
-
 static const char *surface_name(const Checker *checker, int32_t triangle)
 {
   return reduce_config_surface_name(checker->config, (size_t)checker->mesh->triangle_surface[triangle]);
@@ -123,7 +109,7 @@ static void check_face(Checker *checker, const Face *first, size_t n_triangles, 
   if (n_tets > 2)
     faults_add(&checker->faults, "%zu tetrahedra share the face at (%.6g, %.6g, %.6g) mm: they overlap", n_tets, at[0],
                at[1], at[2]);
-  if (n_tets >= 2) join(checker->parent, first[n_triangles].element, first[n_triangles + 1].element);
+  if (n_tets >= 2) union_find_join(checker->parent, first[n_triangles].element, first[n_triangles + 1].element);
   if (n_tets == 1)
     check_boundary_face(checker, first, n_triangles, first + n_triangles);
   else if (n_triangles > 0 && mesh->triangle_surface[first->element] >= 0)
@@ -169,7 +155,7 @@ static void check_connected(Checker *checker)
 {
   const TetMesh *mesh = checker->mesh;
   for (size_t t = 1; t < mesh->n_tets; t++) {
-    if (find_root(checker->parent, (int32_t)t) == 0) continue;
+    if (union_find_root(checker->parent, (int32_t)t) == 0) continue;
     double here[3], there[3];
     centre_of(mesh, mesh->tet, 4, here);
     centre_of(mesh, mesh->tet + 4 * t, 4, there);

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 enum { LEAF_SIZE = 8 };
 
@@ -131,32 +131,32 @@ static double box_distance(const Node *node, const double x[3])
 static double segment_distance(const double a[3], const double b[3], const double x[3])
 {
   double along[3], to[3], foot[3];
-  vector_between(a, b, along);
-  vector_between(a, x, to);
-  const double length2 = vector_dot(along, along);
-  const double s = length2 > 0.0 ? fmin(fmax(vector_dot(along, to) / length2, 0.0), 1.0) : 0.0;
+  vec_between(a, b, along);
+  vec_between(a, x, to);
+  const double length2 = vec_dot(along, along);
+  const double s = length2 > 0.0 ? fmin(fmax(vec_dot(along, to) / length2, 0.0), 1.0) : 0.0;
   for (int d = 0; d < 3; d++) foot[d] = a[d] + s * along[d];
-  return vector_distance(foot, x);
+  return vec_distance(foot, x);
 }
 
 /* The height over the plane where the foot falls inside, else the distance to the nearest edge. */
 static double triangle_distance(const double c[9], const double x[3])
 {
   double u[3], v[3], normal[3], to[3];
-  vector_between(c, c + 3, u);
-  vector_between(c, c + 6, v);
-  vector_between(c, x, to);
-  vector_cross(u, v, normal);
+  vec_between(c, c + 3, u);
+  vec_between(c, c + 6, v);
+  vec_between(c, x, to);
+  vec_cross(u, v, normal);
   bool inside = true;
   for (int k = 0; k < 3 && inside; k++) {
     double edge[3], from[3], inward[3];
-    vector_between(c + 3 * k, c + 3 * ((k + 1) % 3), edge);
-    vector_between(c + 3 * k, x, from);
-    vector_cross(normal, edge, inward);
-    inside = vector_dot(inward, from) >= 0.0;
+    vec_between(c + 3 * k, c + 3 * ((k + 1) % 3), edge);
+    vec_between(c + 3 * k, x, from);
+    vec_cross(normal, edge, inward);
+    inside = vec_dot(inward, from) >= 0.0;
   }
-  const double size = vector_norm(normal);
-  if (inside && size > 0.0) return fabs(vector_dot(normal, to)) / size;
+  const double size = vec_norm(normal);
+  if (inside && size > 0.0) return fabs(vec_dot(normal, to)) / size;
   return fmin(segment_distance(c, c + 3, x), fmin(segment_distance(c + 3, c + 6, x), segment_distance(c + 6, c, x)));
 }
 

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 #include "reduce/mesh/wall_layers_private.h"
 
 static const double LEAST_VOLUME = 0.12;  // of a squeezed tetrahedron, of what it was
@@ -41,7 +41,7 @@ static bool is_cut_well(const Layers *layers, const int32_t *triangle, int k)
   double normal[3];
   const int n = layers_cut_prism(layers, triangle, k, corner, level);
   tet_mesh_triangle_normal(layers->mesh, triangle, normal);
-  const double area = 0.5 * vector_norm(normal);
+  const double area = 0.5 * vec_norm(normal);
   for (int i = 0; i < n; i++) {
     double x[12], rise = 0.0;
     for (int c = 0; c < 4; c++) {

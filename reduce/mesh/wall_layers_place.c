@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "reduce/mesh/resolution.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 #include "reduce/mesh/wall_layers_private.h"
 
 static const double LARGEST_SHARE = 0.75; // of the height of the tetrahedron behind a wall triangle
@@ -98,7 +98,7 @@ static CastStatus gather_normals(const Layers *layers, size_t n, const int32_t *
   for (size_t i = 0; i < n; i++) {
     double normal[3];
     tet_mesh_triangle_normal(layers->mesh, faces + 3 * i, normal);
-    const double size = vector_norm(normal);
+    const double size = vec_norm(normal);
     for (size_t k = 0; k < 3; k++) {
       const int32_t column = layers->column_of[faces[3 * i + k]];
       if (column < 0) continue;
@@ -111,7 +111,7 @@ static CastStatus gather_normals(const Layers *layers, size_t n, const int32_t *
 
 static void remove_part(double v[3], const double unit[3])
 {
-  const double part = vector_dot(v, unit);
+  const double part = vec_dot(v, unit);
   for (int d = 0; d < 3; d++) v[d] -= part * unit[d];
 }
 
@@ -123,13 +123,13 @@ static int span_fences(const double *normal, size_t n, double basis[3][3])
   for (size_t i = 0; i < n && rank < 3; i++) {
     double mean[3] = {0, 0, 0};
     for (size_t k = 0; k < n; k++) {
-      const double cosine = vector_dot(normal + 3 * i, normal + 3 * k);
+      const double cosine = vec_dot(normal + 3 * i, normal + 3 * k);
       for (int d = 0; fabs(cosine) > SAME_PLANE && d < 3; d++) mean[d] += copysign(normal[3 * k + (size_t)d], cosine);
     }
     for (int d = 0; d < 3; d++) basis[rank][d] = mean[d];
-    const double size = vector_norm(mean);
+    const double size = vec_norm(mean);
     for (int r = 0; r < rank; r++) remove_part(basis[rank], basis[r]);
-    const double left = vector_norm(basis[rank]);
+    const double left = vec_norm(basis[rank]);
     if (left < sqrt(1.0 - SAME_PLANE * SAME_PLANE) * size) continue;
     for (int d = 0; d < 3; d++) basis[rank][d] /= left;
     rank++;
@@ -148,16 +148,16 @@ static double choose_direction(const double *normal, size_t n, const double (*fe
     for (size_t i = 0; i < n; i++) {
       double p[3] = {normal[3 * i], normal[3 * i + 1], normal[3 * i + 2]};
       for (int r = 0; r < rank; r++) remove_part(p, fence[r]);
-      const double distance = vector_distance(c, p);
+      const double distance = vec_distance(c, p);
       if (distance <= farthest) continue;
       farthest = distance;
       memcpy(to, p, sizeof to);
     }
     for (int d = 0; d < 3; d++) c[d] += (to[d] - c[d]) / (step + 1);
   }
-  const double size = vector_norm(c);
+  const double size = vec_norm(c);
   for (int d = 0; d < 3; d++) unit[d] = size > 0 ? c[d] / size : 0.0;
-  for (size_t i = 0; i < n; i++) least = fmin(least, vector_dot(unit, normal + 3 * i));
+  for (size_t i = 0; i < n; i++) least = fmin(least, vec_dot(unit, normal + 3 * i));
   return least;
 }
 
@@ -208,7 +208,7 @@ static void note_wish(const Layers *layers, int32_t triangle, Room *room)
   const double first = wish->first > 0 ? wish->first : resolution_layer(layers->config, material);
   double normal[3];
   tet_mesh_triangle_normal(mesh, mesh->triangle + 3 * triangle, normal);
-  const double height = 6.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * tet) / vector_norm(normal);
+  const double height = 6.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * tet) / vec_norm(normal);
   for (int k = 0; k < 3; k++) {
     const int32_t c = layers->column_of[mesh->triangle[3 * triangle + k]];
     Column *column = &layers->column[c];
@@ -222,7 +222,7 @@ static void note_wish(const Layers *layers, int32_t triangle, Room *room)
 /* As many layers as leave the tetrahedron behind its share; one at least where that is thicker than the first. */
 static void count_layers(Column *column, const Room *room)
 {
-  if (vector_norm(column->d) == 0.0 || room->height <= column->first) return;
+  if (vec_norm(column->d) == 0.0 || room->height <= column->first) return;
   column->n = 1;
   column->first = fmin(column->first, 0.5 * room->height);
   while (column->n < room->most && layers_height(column, column->n + 1) <= LARGEST_SHARE * room->height) column->n++;

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 #include "reduce/collective.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 #include "reduce/petsc_compat.h"
 
 enum { VTK_TETRAHEDRON = 10, CORNERS = 4 };
@@ -59,9 +59,9 @@ static void turn(const double *points, long long cell[CORNERS])
 {
   const double *a = points + 3 * cell[0];
   double edge[3][3], normal[3];
-  for (int k = 0; k < 3; k++) vector_between(a, points + 3 * cell[k + 1], edge[k]);
-  vector_cross(edge[0], edge[1], normal);
-  if (vector_dot(normal, edge[2]) > 0.0) return;
+  for (int k = 0; k < 3; k++) vec_between(a, points + 3 * cell[k + 1], edge[k]);
+  vec_cross(edge[0], edge[1], normal);
+  if (vec_dot(normal, edge[2]) > 0.0) return;
   const long long swap = cell[2];
   cell[2] = cell[3];
   cell[3] = swap;

@@ -1,17 +1,11 @@
-/* full_run.c
- * Method: R(z) = sum_j c_j w^j, w = 1/(1 - gamma z), order 5 with the gamma that makes the numerator's degree 4: then
- * R(infinity) = 0 (Hairer & Wanner 1996, Solving Ordinary Differential Equations II, table IV.6.4). For constant F
- *   theta' = theta + sum_k d_k v_k,  v_1 = (s E + K)^-1 (F - K theta),  v_k+1 = s (s E + K)^-1 E v_k,  s = 1/(gamma
- * dt), d_k = sum_{j >= k} c_j, and the c_j solve sum_j c_j (j + i - 1 over i) gamma^i = 1/i!, i < 5. */
 #include "reduce/replay/full_run.h"
 
 #include <math.h>
 
 #include "reduce/mor/dense_block.h"
 #include "reduce/petsc_compat.h"
+#include "reduce/replay/l_stable.h"
 
-enum { STAGES = 5 };
-static const PetscReal GAMMA = 0.278053841136452;
 static const PetscReal RTOL = 1e-11;     // of each stage's solve
 static const PetscReal SAME_SPAN = 1e-9; // relative
 
@@ -22,26 +16,6 @@ struct FullRun {
   PetscReal span;      // s, that the solver's shift belongs to
   Mat theta, v, right; // [n x k]
 };
-
-static void scheme_weights(PetscReal d[STAGES])
-{
-  PetscReal A[STAGES][STAGES + 1], factorial = 1.0, sum = 0.0;
-  for (int i = 0; i < STAGES; i++) {
-    if (i > 0) factorial *= i;
-    A[i][STAGES] = 1.0 / factorial;
-    for (int j = 1; j <= STAGES; j++) {
-      A[i][j - 1] = pow(GAMMA, i);
-      for (int a = 1; a <= i; a++) A[i][j - 1] *= (PetscReal)(j - 1 + a) / a;
-    }
-  }
-  for (int p = 0; p < STAGES; p++) // Gauss-Jordan; the pivots are well away from 0 here
-    for (int i = 0; i < STAGES; i++) {
-      if (i == p) continue;
-      const PetscReal factor = A[i][p] / A[p][p];
-      for (int j = p; j <= STAGES; j++) A[i][j] -= factor * A[p][j];
-    }
-  for (int j = STAGES - 1; j >= 0; j--) d[j] = sum += A[j][STAGES] / A[j][j];
-}
 
 PetscErrorCode full_run_create(const ThermalSystem *system, PetscInt k, PetscInt substeps, FullRun **out)
 {
@@ -84,10 +58,10 @@ static PetscErrorCode step(FullRun *run, const PetscReal *d, Mat F)
   PetscCall(dense_block_multiply(run->system->K, run->theta, run->right));
   PetscCall(dense_block_axpby(run->right, -1.0, factor, F)); // F - K theta
   for (PetscInt c = 0; c < run->k; c++) factor[c] = s;
-  for (int k = 0; k < STAGES; k++) {
+  for (int k = 0; k < L_STABLE_STAGES; k++) {
     PetscCall(shifted_solver_solve(run->solver, run->right, run->v));
     PetscCall(add(run, d[k]));
-    if (k + 1 == STAGES) break;
+    if (k + 1 == L_STABLE_STAGES) break;
     PetscCall(dense_block_multiply(run->system->E, run->v, run->right));
     PetscCall(dense_block_scale(run->right, factor));
   }
@@ -97,13 +71,13 @@ static PetscErrorCode step(FullRun *run, const PetscReal *d, Mat F)
 
 PetscErrorCode full_run_advance(FullRun *run, PetscReal span, Mat F)
 {
-  PetscReal d[STAGES];
+  PetscReal d[L_STABLE_STAGES];
 
   PetscFunctionBeginUser;
-  scheme_weights(d);
+  l_stable_weights(d);
   if (fabs(span - run->span) > SAME_SPAN * span) {
     run->span = span;
-    PetscCall(shifted_solver_set_shift(run->solver, (PetscReal)run->substeps / (GAMMA * span), 1000 * run->k));
+    PetscCall(shifted_solver_set_shift(run->solver, (PetscReal)run->substeps / (L_STABLE_GAMMA * span), 1000 * run->k));
   }
   for (PetscInt i = 0; i < run->substeps; i++) PetscCall(step(run, d, F));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -116,13 +90,13 @@ Mat full_run_state(const FullRun *run)
 
 PetscReal full_run_advance_mode(PetscReal lambda, PetscReal u, PetscReal span, PetscInt substeps, PetscReal z)
 {
-  PetscReal d[STAGES];
-  const PetscReal s = (PetscReal)substeps / (GAMMA * span);
+  PetscReal d[L_STABLE_STAGES];
+  const PetscReal s = (PetscReal)substeps / (L_STABLE_GAMMA * span);
 
-  scheme_weights(d);
+  l_stable_weights(d);
   for (PetscInt i = 0; i < substeps; i++) {
     PetscReal v = (u - lambda * z) / (s + lambda);
-    for (int k = 0; k < STAGES; k++, v *= s / (s + lambda)) z += d[k] * v;
+    for (int k = 0; k < L_STABLE_STAGES; k++, v *= s / (s + lambda)) z += d[k] * v;
   }
   return z;
 }

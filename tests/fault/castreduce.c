@@ -8,30 +8,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
 #include "tests/support/matrix_mould.h"
+#include "tests/support/program.h"
 
 enum { CHAIN = 3000, CELLS = 8 };
 static const char *program;
-static char folder[] = "/tmp/castfault_XXXXXX", said[65536];
-
-static int run(const char *format, ...)
-{
-  char command[2000];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(command, sizeof command, format, arguments);
-  va_end(arguments);
-  FILE *pipe = popen(command, "r");
-  assert_non_null(pipe);
-  said[fread(said, 1, sizeof said - 1, pipe)] = '\0';
-  const int status = pclose(pipe);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
+static char folder[] = "/tmp/castfault_XXXXXX";
 
 static void write_text(const char *name, const char *text)
 {

@@ -19,66 +19,34 @@
 
 #include "cast/io/vtk_series.h"
 #include "cast/sim.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/program.h"
 
-static CastCase casting;
 static const char *program;
 
 static int set_up(void **state)
 {
-  (void)state;
-  CastError err = {0};
   program = getenv("CASTRUN");
   if (!program) fprintf(stderr, "CASTRUN does not name the program\n");
-  return !program || cast_case_create(&casting, &err) != CAST_OK;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
-}
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
+  return !program || cast_case_set_up(state) != 0;
 }
 
 /* ---- the program ---- */
 
 static char output_path[160]; // what the program last said
 
-static pid_t launch(const char *command, const char *target)
+static pid_t start_program(const char *command, const char *target)
 {
   snprintf(output_path, sizeof output_path, "%s/said.txt", casting.folder);
-  const pid_t child = fork();
-  assert_true(child >= 0);
-  if (child > 0) return child;
-  const int out = open(output_path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  dup2(out, STDOUT_FILENO);
-  dup2(out, STDERR_FILENO);
-  execl(program, program, command, target, (char *)NULL);
-  _exit(127);
+  return launch((const char *[]){program, command, target, NULL}, output_path);
 }
 
-static int exit_code(pid_t child)
+static void expect_said_by_program(const char *part)
 {
-  int status = 0;
-  assert_true(waitpid(child, &status, 0) == child);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-static void expect_said(const char *part)
-{
-  char text[16384] = "";
-  FILE *file = fopen(output_path, "r");
-  assert_non_null(file);
-  const size_t n = fread(text, 1, sizeof text - 1, file);
-  fclose(file);
-  text[n] = '\0';
-  if (!strstr(text, part)) fail_msg("'%s' does not say '%s'", text, part);
+  run("cat %s", output_path);
+  expect_said(part);
 }
 
 static size_t steps_written(const char *folder)
@@ -116,7 +84,7 @@ static void a_killed_run_leaves_results_that_open(void **state)
   (void)state;
   char path[128], folder[128];
   make_input("killed", "{ end: 10 s }", path, folder);
-  const pid_t child = launch("run", path);
+  const pid_t child = start_program("run", path);
   wait_for_steps(folder, 3);
   kill(child, SIGKILL);
   assert_int_equal(exit_code(child), 128 + SIGKILL);
@@ -128,14 +96,14 @@ static void a_run_that_is_told_to_stop_leaves_a_checkpoint_and_is_resumed(void *
   (void)state;
   char path[128], folder[128], checkpoint[200];
   make_input("stopped", "{ end: 30 ms }", path, folder);
-  const pid_t child = launch("run", path);
+  const pid_t child = start_program("run", path);
   wait_for_steps(folder, 2);
   kill(child, SIGTERM);
   assert_int_equal(exit_code(child), 3);
-  expect_said("castrun resume");
+  expect_said_by_program("castrun resume");
   snprintf(checkpoint, sizeof checkpoint, "%s/checkpoint.h5", folder);
   assert_int_equal(access(checkpoint, R_OK), 0);
-  const pid_t again = launch("resume", folder);
+  const pid_t again = start_program("resume", folder);
   wait_for_steps(folder, 3);
   kill(again, SIGINT);
   assert_int_equal(exit_code(again), 3);
@@ -146,7 +114,7 @@ static void a_folder_without_a_checkpoint_and_a_damaged_one_are_refused(void **s
   (void)state;
   char path[128], folder[128], checkpoint[200];
   make_input("damaged", "{ end: 10 s }", path, folder);
-  const pid_t child = launch("run", path);
+  const pid_t child = start_program("run", path);
   wait_for_steps(folder, 1);
   kill(child, SIGTERM);
   assert_int_equal(exit_code(child), 3);
@@ -154,11 +122,11 @@ static void a_folder_without_a_checkpoint_and_a_damaged_one_are_refused(void **s
   struct stat info;
   assert_int_equal(stat(checkpoint, &info), 0);
   assert_int_equal(truncate(checkpoint, info.st_size / 2), 0);
-  assert_int_equal(exit_code(launch("resume", folder)), 1);
-  expect_said("damaged or truncated");
+  assert_int_equal(exit_code(start_program("resume", folder)), 1);
+  expect_said_by_program("damaged or truncated");
   assert_int_equal(unlink(checkpoint), 0);
-  assert_int_equal(exit_code(launch("resume", folder)), 1);
-  expect_said("checkpoint.h5: cannot be opened");
+  assert_int_equal(exit_code(start_program("resume", folder)), 1);
+  expect_said_by_program("checkpoint.h5: cannot be opened");
 }
 
 static void an_output_folder_that_is_a_file_is_refused(void **state)
@@ -169,20 +137,20 @@ static void an_output_folder_that_is_a_file_is_refused(void **state)
   FILE *file = fopen(folder, "w");
   assert_non_null(file);
   fclose(file);
-  assert_int_equal(exit_code(launch("run", path)), 1);
-  expect_said("is a file");
+  assert_int_equal(exit_code(start_program("run", path)), 1);
+  expect_said_by_program("is a file");
 }
 
 static void wrong_command_lines_exit_with_two(void **state)
 {
   (void)state;
-  assert_int_equal(exit_code(launch("fly", "to the moon")), 2);
-  expect_said("unknown command: fly");
-  assert_int_equal(exit_code(launch("run", "--thread")), 2);
-  expect_said("unknown option");
-  assert_int_equal(exit_code(launch("run", "--threads")), 2);
-  assert_int_equal(exit_code(launch("run", NULL)), 2);
-  expect_said("is expected after the command");
+  assert_int_equal(exit_code(start_program("fly", "to the moon")), 2);
+  expect_said_by_program("unknown command: fly");
+  assert_int_equal(exit_code(start_program("run", "--thread")), 2);
+  expect_said_by_program("unknown option");
+  assert_int_equal(exit_code(start_program("run", "--threads")), 2);
+  assert_int_equal(exit_code(start_program("run", NULL)), 2);
+  expect_said_by_program("is expected after the command");
 }
 
 static void the_program_links_neither_petsc_nor_mpi(void **state)
@@ -249,5 +217,5 @@ int main(void)
       cmocka_unit_test(the_program_links_neither_petsc_nor_mpi),
       cmocka_unit_test(a_full_disk_ends_the_run_with_the_system_s_reason_wherever_it_happens),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, set_up, cast_case_clean_up);
 }

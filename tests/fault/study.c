@@ -18,24 +18,15 @@
 
 #include "cast/io/csv_read.h"
 #include "tests/support/cast_case.h"
+#include "tests/support/program.h"
 
-static CastCase casting;
 static const char *program;
 
 static int set_up(void **state)
 {
-  (void)state;
-  CastError err = {0};
   program = getenv("CASTRUN");
   if (!program) fprintf(stderr, "CASTRUN does not name the program\n");
-  return !program || cast_case_create(&casting, &err) != CAST_OK;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
+  return !program || cast_case_set_up(state) != 0;
 }
 
 /* NAME.yaml, a case that ends after `end`, and NAME-study.yaml with `lines`, whose folder is NAME-study. */
@@ -53,23 +44,9 @@ static void make_study(const char *name, const char *end, const char *lines, cha
   fclose(file);
 }
 
-static pid_t launch(const char *study, const char *only)
+static pid_t sweep(const char *study, const char *only)
 {
-  const pid_t child = fork();
-  assert_true(child >= 0);
-  if (child > 0) return child;
-  const int out = open("/dev/null", O_WRONLY);
-  dup2(out, STDOUT_FILENO);
-  dup2(out, STDERR_FILENO);
-  execl(program, program, "sweep", study, only ? "--only" : (char *)NULL, only, (char *)NULL);
-  _exit(127);
-}
-
-static int exit_code(pid_t child)
-{
-  int status = 0;
-  assert_true(waitpid(child, &status, 0) == child);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return launch((const char *[]){program, "sweep", study, only ? "--only" : NULL, only, NULL}, "/dev/null");
 }
 
 static CsvTable read_table(const char *name)
@@ -94,7 +71,7 @@ static void bisection_closes_in_on_the_threshold_and_repeats_nothing(void **stat
   (void)state;
   char study[160], path[200];
   make_study("probe", "1 ms", "vary: [{ key: preheat, values: [700 degC, 1000 degC] }]\n", study);
-  assert_int_equal(exit_code(launch(study, NULL)), 0);
+  assert_int_equal(exit_code(sweep(study, NULL)), 0);
   CsvTable ends = read_table("probe");
   const size_t mean = csv_column(&ends, "melt_mean_K");
   const double low = csv_value(&ends, 0, mean), high = csv_value(&ends, 1, mean);
@@ -106,7 +83,7 @@ static void bisection_closes_in_on_the_threshold_and_repeats_nothing(void **stat
            "goal: { quantity: melt_mean, at_least: %.12g K, within: 50 K }\n",
            low + 0.4 * (high - low));
   make_study("bisect", "1 ms", lines, study);
-  assert_int_equal(exit_code(launch(study, NULL)), 0);
+  assert_int_equal(exit_code(sweep(study, NULL)), 0);
   CsvTable table = read_table("bisect");
   // 700 missed, 1000 met, 850 met, 775 missed, 812.5 missed or met: 37.5 K are left
   static const char *const PREHEAT[] = {"700 degC", "1000 degC", "850 degC", "775 degC"};
@@ -121,7 +98,7 @@ static void bisection_closes_in_on_the_threshold_and_repeats_nothing(void **stat
   struct stat before, after;
   snprintf(path, sizeof path, "%.60s/bisect-study/run-0003/summary.json", casting.folder);
   assert_int_equal(stat(path, &before), 0);
-  assert_int_equal(exit_code(launch(study, NULL)), 0);
+  assert_int_equal(exit_code(sweep(study, NULL)), 0);
   assert_int_equal(stat(path, &after), 0);
   assert_true(before.st_mtim.tv_sec == after.st_mtim.tv_sec && before.st_mtim.tv_nsec == after.st_mtim.tv_nsec);
 }
@@ -131,7 +108,7 @@ static void a_run_that_fails_is_told_and_the_others_are_done(void **state)
   (void)state;
   char study[160];
   make_study("fails", "0.5 ms", "vary: [{ key: sph.spacing, values: [0.4 mm, 3 s, 0.5 mm] }]\n", study);
-  assert_int_equal(exit_code(launch(study, NULL)), 0);
+  assert_int_equal(exit_code(sweep(study, NULL)), 0);
   CsvTable table = read_table("fails");
   assert_int_equal(table.n_rows, 3);
   assert_string_equal(cell(&table, 0, "outcome"), "finished");
@@ -145,13 +122,13 @@ static void one_run_alone_does_for_a_job_array_and_the_rest_is_gathered_later(vo
   (void)state;
   char study[160], path[200];
   make_study("array", "0.5 ms", "vary: [{ key: preheat, from: 700 degC, to: 800 degC, steps: 2 }]\n", study);
-  assert_int_equal(exit_code(launch(study, "2")), 0);
+  assert_int_equal(exit_code(sweep(study, "2")), 0);
   snprintf(path, sizeof path, "%.60s/array-study/run-0001", casting.folder);
   assert_int_not_equal(access(path, F_OK), 0);
   snprintf(path, sizeof path, "%.60s/array-study/run-0002/summary.json", casting.folder);
   assert_int_equal(access(path, F_OK), 0);
-  assert_int_equal(exit_code(launch(study, "3")), 1);
-  assert_int_equal(exit_code(launch(study, NULL)), 0);
+  assert_int_equal(exit_code(sweep(study, "3")), 1);
+  assert_int_equal(exit_code(sweep(study, NULL)), 0);
   CsvTable table = read_table("array");
   for (size_t row = 0; row < 2; row++) assert_string_equal(cell(&table, row, "outcome"), "finished");
   csv_table_free(&table);
@@ -162,7 +139,7 @@ static void an_interrupted_study_goes_on_from_the_checkpoints(void **state)
   (void)state;
   char study[160], path[200], log[200], text[8192] = "";
   make_study("cut", "4 ms", "vary: [{ key: preheat, from: 700 degC, to: 800 degC, steps: 2 }]\n", study);
-  const pid_t child = launch(study, NULL);
+  const pid_t child = sweep(study, NULL);
   snprintf(path, sizeof path, "%.60s/cut-study/run-0001/ledger.csv", casting.folder);
   struct stat info = {0};
   for (int k = 0; k < 1200 && (stat(path, &info) != 0 || info.st_size < 1500); k++)
@@ -171,7 +148,7 @@ static void an_interrupted_study_goes_on_from_the_checkpoints(void **state)
   assert_int_equal(exit_code(child), 3);
   snprintf(path, sizeof path, "%.60s/cut-study/run-0001/checkpoint.h5", casting.folder);
   assert_int_equal(access(path, R_OK), 0);
-  assert_int_equal(exit_code(launch(study, NULL)), 0);
+  assert_int_equal(exit_code(sweep(study, NULL)), 0);
   snprintf(log, sizeof log, "%.60s/cut-study/run-0001/castrun.log", casting.folder);
   FILE *file = fopen(log, "r");
   assert_non_null(file);
@@ -188,5 +165,5 @@ int main(void)
       cmocka_unit_test(one_run_alone_does_for_a_job_array_and_the_rest_is_gathered_later),
       cmocka_unit_test(an_interrupted_study_goes_on_from_the_checkpoints),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, set_up, cast_case_clean_up);
 }

@@ -16,7 +16,6 @@
 #include "tests/support/cast_case.h"
 
 static const char FOLDER[] = CAST_SHARE_SOURCE "/../tests/malformed/cast_yaml";
-static CastCase casting; // where the inputs are taken to be: mould.rom.h5 lies there
 
 static int set_up(void **state)
 {

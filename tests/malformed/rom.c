@@ -33,28 +33,10 @@ static int remove_folder(void **state)
   return rmdir(folder); // fails if a temporary file is left
 }
 
-static RomData *make_rom(void)
-{
-  static const SyntheticSlab slab = {.size = {2e-3, 1e-3},
-                                     .depth = 5e-3,
-                                     .kappa = 1.0,
-                                     .rho = 1800.0,
-                                     .c = 1100.0,
-                                     .h_bottom = 15.0,
-                                     .modes = 8,
-                                     .modes_lateral = {2, 2},
-                                     .patches = {2, 2}};
-  CastError err = {0};
-  RomData *rom = NULL;
-  if (synthetic_rom_slab(&slab, &rom, &err) != CAST_OK) fail_msg("%s", err.message);
-  rom->certificate.n_times = rom->certificate.n_frequencies = rom->n_shifts = 1; // arrays of one zero
-  return rom;
-}
-
 static void write_rom(void)
 {
   CastError err = {0};
-  RomData *rom = make_rom();
+  RomData *rom = synthetic_rom_small();
   if (rom_write(rom, path, &err) != CAST_OK) fail_msg("%s", err.message);
   rom_destroy(&rom);
 }
@@ -257,7 +239,7 @@ static void flipped_payload_byte_is_found(void **state)
   (void)state;
   size_t n = 0;
   write_rom();
-  RomData *rom = make_rom();
+  RomData *rom = synthetic_rom_small();
   unsigned char *bytes = load_bytes(&n);
   // lambda is stored as it is in memory, so its bytes can be found in the file
   unsigned char *found = memmem(bytes, n, rom->lambda, rom->r * sizeof(double));
@@ -304,7 +286,7 @@ static void path_that_cannot_be_written_is_refused(void **state)
 {
   (void)state;
   CastError err = {0};
-  RomData *rom = make_rom();
+  RomData *rom = synthetic_rom_small();
   assert_int_equal(rom_write(rom, folder, &err), CAST_ERR_IO);
   expect_message(&err, "is a directory");
   assert_int_equal(rom_write(rom, "/nonexistent/a.rom.h5", &err), CAST_ERR_IO);
@@ -323,7 +305,7 @@ static void full_disk_leaves_the_old_file_and_no_temporary(void **state)
 {
   (void)state;
   write_rom();
-  RomData *rom = make_rom(), *again = NULL;
+  RomData *rom = synthetic_rom_small(), *again = NULL;
   int failures = 0;
   for (int good = 0; good < 400; good++) {
     CastError err = {0};

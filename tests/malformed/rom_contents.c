@@ -13,24 +13,6 @@
 #include "common/rom.h"
 #include "tests/support/synthetic_rom.h"
 
-static RomData *make_rom(void)
-{
-  static const SyntheticSlab slab = {.size = {2e-3, 1e-3},
-                                     .depth = 5e-3,
-                                     .kappa = 1.0,
-                                     .rho = 1800.0,
-                                     .c = 1100.0,
-                                     .h_bottom = 15.0,
-                                     .modes = 8,
-                                     .modes_lateral = {2, 2},
-                                     .patches = {2, 2}};
-  CastError err = {0};
-  RomData *rom = NULL;
-  if (synthetic_rom_slab(&slab, &rom, &err) != CAST_OK) fail_msg("%s", err.message);
-  rom->certificate.n_times = rom->certificate.n_frequencies = rom->n_shifts = 1; // arrays of one zero
-  return rom;
-}
-
 typedef struct Fault {
   const char *says;
   void (*spoil)(RomData *rom);
@@ -179,7 +161,7 @@ static void wrong_contents_are_refused_and_not_written(void **state)
   snprintf(path, sizeof path, "%s/a.rom.h5", folder);
   for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
     CastError err = {0};
-    RomData *rom = make_rom();
+    RomData *rom = synthetic_rom_small();
     faults[i].spoil(rom);
     assert_int_equal(rom_check(rom, &err), CAST_ERR_FORMAT);
     if (!strstr(err.message, faults[i].says)) fail_msg("'%s' does not say '%s'", err.message, faults[i].says);

@@ -13,16 +13,12 @@
 #include "cast/kernel/pair.h"
 #include "cast/physics/sph.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/lattice_tank.h"
 #include "tests/support/shaped_mould.h"
 
 enum { SIDE = 9, N = SIDE * SIDE * SIDE, KINDS = 4 };
 static const double spacing = 1e-3;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 /* Smoothing length that gives each kernel the same support, 2.6 spacings. */
 static SphParameters melt_parameters(KernelKind kernel)

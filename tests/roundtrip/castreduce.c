@@ -7,37 +7,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
 #include "common/rom.h"
 #include "tests/support/mould_files.h"
+#include "tests/support/program.h"
 #include "tests/support/validation.h"
 
 static const char *program, *mpiexec;
-static MouldFiles files;
-static char said[65536];
-
-static int run(const char *format, ...)
-{
-  char command[2000];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(command, sizeof command, format, arguments);
-  va_end(arguments);
-  FILE *pipe = popen(command, "r");
-  assert_non_null(pipe);
-  said[fread(said, 1, sizeof said - 1, pipe)] = '\0';
-  const int status = pclose(pipe);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-static void expect_said(const char *text)
-{
-  if (!strstr(said, text)) fail_msg("'%s' does not say '%s'", said, text);
-}
 
 /* The test mould with a tight solver, so that ROMs of several runs can be compared. */
 static void write_input(const char *name, const char *rom)
@@ -47,21 +26,7 @@ static void write_input(const char *name, const char *rom)
   const char *at = strstr(good, "tolerance: 1e-2"), *end = strstr(at, "mould.rom.h5");
   snprintf(text, sizeof text, "%.*stolerance: 1e-2, solver_tolerance: 1e-13%.*s%s%s", (int)(at - good), good,
            (int)(end - at - 15), at + 15, rom, end + 12);
-  mould_files_write(&files, name, text);
-}
-
-static int make_files(void **state)
-{
-  (void)state;
-  mould_files_create(&files);
-  return 0;
-}
-
-static int remove_files(void **state)
-{
-  (void)state;
-  mould_files_remove(&files);
-  return 0;
+  mould_files_write(&mould_files, name, text);
 }
 
 static RomData *read_rom(const char *name)
@@ -69,7 +34,7 @@ static RomData *read_rom(const char *name)
   char path[256];
   RomData *rom = NULL;
   CastError err;
-  snprintf(path, sizeof path, "%s/%s", files.folder, name);
+  snprintf(path, sizeof path, "%s/%s", mould_files.folder, name);
   if (rom_read(path, &rom, &err) != CAST_OK) fail_msg("%s", err.message); // which checks it as well
   return rom;
 }
@@ -80,12 +45,12 @@ static RomData *reduce_on(int ranks)
   char input[64], rom[64], path[256];
   snprintf(input, sizeof input, "on%d.yaml", ranks);
   snprintf(rom, sizeof rom, "on%d.rom.h5", ranks);
-  snprintf(path, sizeof path, "%s/%s", files.folder, rom);
+  snprintf(path, sizeof path, "%s/%s", mould_files.folder, rom);
   if (access(path, F_OK) == 0) return read_rom(rom);
   write_input(input, rom);
-  const int code = ranks == 1 ? run("cd '%s' && '%s' run %s 2>&1", files.folder, program, input)
+  const int code = ranks == 1 ? run("cd '%s' && '%s' run %s 2>&1", mould_files.folder, program, input)
                               : run("cd '%s' && '%s' --allow-run-as-root --oversubscribe -n %d '%s' run %s 2>&1",
-                                    files.folder, mpiexec, ranks, program, input);
+                                    mould_files.folder, mpiexec, ranks, program, input);
   if (code != 0) fail_msg("exit code %d: %s", code, said);
   return read_rom(rom);
 }
@@ -196,9 +161,9 @@ static void reduce_kind(const Kind *kind, const RomData *one)
   assert_true(at && end);
   snprintf(text, sizeof text, "%.*s%s%.*skind.rom.h5%s", (int)(at - good), good, kind->instead,
            (int)(end - at - (ptrdiff_t)strlen(kind->extra)), at + strlen(kind->extra), end + 12);
-  mould_files_write(&files, "kind.yaml", text);
-  if (strcmp(kind->file, "mould.geo") != 0) mould_files_convert(&files, kind->file, kind->options);
-  if (run("cd '%s' && '%s' run kind.yaml 2>&1", files.folder, program) != 0) fail_msg("%s: %s", kind->file, said);
+  mould_files_write(&mould_files, "kind.yaml", text);
+  if (strcmp(kind->file, "mould.geo") != 0) mould_files_convert(&mould_files, kind->file, kind->options);
+  if (run("cd '%s' && '%s' run kind.yaml 2>&1", mould_files.folder, program) != 0) fail_msg("%s: %s", kind->file, said);
   RomData *rom = read_rom("kind.rom.h5");
   assert_true(rom->certificate.met);
   assert_true(fabs(rom->heat_capacity / one->heat_capacity - 1.0) < 1e-9); // the same regions and materials
@@ -236,11 +201,11 @@ static void check_prints_the_input_and_makes_nothing(void **state)
   (void)state;
   char path[256];
   write_input("checked.yaml", "checked.rom.h5");
-  assert_int_equal(run("'%s' check '%s/checked.yaml' 2>&1", program, files.folder), 0);
+  assert_int_equal(run("'%s' check '%s/checked.yaml' 2>&1", program, mould_files.folder), 0);
   expect_said("title                   block with a basin and a pin");
   expect_said("cavity surface basin: 5 surfaces");
   expect_said("region body: 1 volume");
-  snprintf(path, sizeof path, "%s/checked.rom.h5", files.folder);
+  snprintf(path, sizeof path, "%s/checked.rom.h5", mould_files.folder);
   assert_int_not_equal(access(path, F_OK), 0);
 }
 
@@ -249,10 +214,10 @@ static void info_prints_what_a_rom_holds(void **state)
   (void)state;
   RomData *rom = reduce_on(1);
   rom_destroy(&rom);
-  assert_int_equal(run("'%s' info '%s/on1.rom.h5' 2>&1", program, files.folder), 0);
+  assert_int_equal(run("'%s' info '%s/on1.rom.h5' 2>&1", program, mould_files.folder), 0);
   expect_said("block with a basin and a pin");
   expect_said("basin");
-  assert_int_equal(run("'%s' info '%s/mould.geo' 2>&1", program, files.folder), 1);
+  assert_int_equal(run("'%s' info '%s/mould.geo' 2>&1", program, mould_files.folder), 1);
   expect_said("castreduce: error: ");
 }
 
@@ -260,7 +225,7 @@ static void unused_options_are_named(void **state)
 {
   (void)state;
   write_input("typo.yaml", "typo.rom.h5");
-  assert_int_equal(run("cd '%s' && '%s' run typo.yaml --quiet -ksp_typo 3 2>&1", files.folder, program), 0);
+  assert_int_equal(run("cd '%s' && '%s' run typo.yaml --quiet -ksp_typo 3 2>&1", mould_files.folder, program), 0);
   expect_said("warning: option -ksp_typo was not used by anything");
   assert_int_equal(run("'%s' run typo.yaml stray 2>&1", program), 2);
   expect_said("'stray' is not understood here");
@@ -277,8 +242,8 @@ static void a_refused_run_leaves_an_earlier_rom_alone(void **state)
   memcpy(strstr(text, "mould.rom.h5"), "on1.rom.h5  ", 12); // the same output
   char *pin = strstr(text, "    pin:");
   memcpy(pin, "    pen:", 8); // not in the geometry
-  mould_files_write(&files, "spoilt.yaml", text);
-  assert_int_equal(run("'%s' run '%s/spoilt.yaml' 2>&1", program, files.folder), 1);
+  mould_files_write(&mould_files, "spoilt.yaml", text);
+  assert_int_equal(run("'%s' run '%s/spoilt.yaml' 2>&1", program, mould_files.folder), 1);
   expect_said("cavity surface 'pen': the geometry has no physical surface of this name");
   rom = read_rom("on1.rom.h5");
   rom_destroy(&rom);
@@ -312,5 +277,5 @@ int main(int argc, char **argv)
   program = realpath(argv[1], NULL); // commands change the folder
   if (!program) return 99;
   mpiexec = argv[2];
-  return cmocka_run_group_tests(tests, make_files, remove_files);
+  return cmocka_run_group_tests(tests, mould_files_set_up, mould_files_clean_up);
 }

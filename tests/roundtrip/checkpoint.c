@@ -13,30 +13,8 @@
 
 #include "cast/sim.h"
 #include "common/heat_record.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
-
-static CastCase casting;
-
-static int set_up(void **state)
-{
-  (void)state;
-  CastError err = {0};
-  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
-  fprintf(stderr, "%s\n", err.message);
-  return 1;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
-}
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 typedef struct Run {
   CastConfig *config;
@@ -274,5 +252,5 @@ int main(void)
       cmocka_unit_test(a_run_resumed_while_it_cools_has_the_bits_and_files_of_an_unbroken_one),
       cmocka_unit_test(a_run_does_not_go_on_with_another_rom),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, cast_case_set_up, cast_case_clean_up);
 }

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -16,38 +15,11 @@
 #include "common/rom.h"
 #include "tests/support/matrix_mould.h"
 #include "tests/support/mould_files.h"
+#include "tests/support/program.h"
 
 enum { CELLS = 6, M = 4 };
 static const char *program, *mpiexec, *castrun;
-static MouldFiles files;
 static MatrixMould mould;
-static char said[65536];
-
-static int run(const char *format, ...)
-{
-  char command[2000];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(command, sizeof command, format, arguments);
-  va_end(arguments);
-  FILE *pipe = popen(command, "r");
-  assert_non_null(pipe);
-  said[fread(said, 1, sizeof said - 1, pipe)] = '\0';
-  const int status = pclose(pipe);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-static void expect_said(const char *text)
-{
-  if (!strstr(said, text)) fail_msg("'%s' does not say '%s'", said, text);
-}
-
-static const char *path_of(const char *name)
-{
-  static char path[256];
-  snprintf(path, sizeof path, "%s/%s", files.folder, name);
-  return path;
-}
 
 static void write_transposed(const char *name, const char *form, double factor)
 {
@@ -55,7 +27,7 @@ static void write_transposed(const char *name, const char *form, double factor)
   assert_non_null(C);
   for (size_t i = 0; i < mould.n; i++)
     for (size_t l = 0; l < mould.m; l++) C[l * mould.n + i] = mould.B[i * mould.m + l];
-  matrix_write(path_of(name), form, mould.m, mould.n, C, factor);
+  matrix_write(mould_files_path(name), form, mould.m, mould.n, C, factor);
   free(C);
 }
 
@@ -63,14 +35,14 @@ static int make_files(void **state)
 {
   static const char sparse[] = "coordinate real general", lower[] = "coordinate real symmetric";
   (void)state;
-  mould_files_create(&files);
+  mould_files_create(&mould_files);
   matrix_mould_create(CELLS, 100.0, &mould);
-  matrix_write(path_of("E.mtx"), lower, mould.n, mould.n, mould.E, 1.0);
-  matrix_write(path_of("K.mtx"), lower, mould.n, mould.n, mould.K, 1.0);
-  matrix_write(path_of("A.mtx"), sparse, mould.n, mould.n, mould.K, -1.0);
-  matrix_write(path_of("B.mtx"), sparse, mould.n, mould.m, mould.B, 1.0);
-  matrix_write(path_of("B_array.mtx"), "array real general", mould.n, mould.m, mould.B, 1.0);
-  matrix_write(path_of("B_flux.mtx"), sparse, mould.n, mould.m, mould.B, mould.area);
+  matrix_write(mould_files_path("E.mtx"), lower, mould.n, mould.n, mould.E, 1.0);
+  matrix_write(mould_files_path("K.mtx"), lower, mould.n, mould.n, mould.K, 1.0);
+  matrix_write(mould_files_path("A.mtx"), sparse, mould.n, mould.n, mould.K, -1.0);
+  matrix_write(mould_files_path("B.mtx"), sparse, mould.n, mould.m, mould.B, 1.0);
+  matrix_write(mould_files_path("B_array.mtx"), "array real general", mould.n, mould.m, mould.B, 1.0);
+  matrix_write(mould_files_path("B_flux.mtx"), sparse, mould.n, mould.m, mould.B, mould.area);
   write_transposed("C.mtx", "array real general", 7.0);
   return 0;
 }
@@ -79,7 +51,7 @@ static int remove_files(void **state)
 {
   (void)state;
   matrix_mould_destroy(&mould);
-  mould_files_remove(&files);
+  mould_files_remove(&mould_files);
   return 0;
 }
 
@@ -95,11 +67,11 @@ static RomData *reduce(const char *name, const char *matrices, int ranks)
            "output: { file: %s.rom.h5 }\n",
            matrices, name);
   snprintf(input, sizeof input, "%s.yaml", name);
-  mould_files_write(&files, input, text);
+  mould_files_write(&mould_files, input, text);
   if (ranks > 1) snprintf(before, sizeof before, "'%s' --allow-run-as-root --oversubscribe -n %d ", mpiexec, ranks);
-  if (run("cd '%s' && %s'%s' run %s 2>&1", files.folder, before, program, input) != 0) fail_msg("%s", said);
+  if (run("cd '%s' && %s'%s' run %s 2>&1", mould_files.folder, before, program, input) != 0) fail_msg("%s", said);
   snprintf(input, sizeof input, "%s.rom.h5", name);
-  if (rom_read(path_of(input), &rom, &err) != CAST_OK) fail_msg("%s", err.message);
+  if (rom_read(mould_files_path(input), &rom, &err) != CAST_OK) fail_msg("%s", err.message);
   return rom;
 }
 
@@ -172,12 +144,13 @@ static void info_and_check_cope_without_geometry(void **state)
   (void)state;
   RomData *rom = reduce("plain", "E: E.mtx, K: K.mtx, B: B.mtx", 1);
   rom_destroy(&rom);
-  assert_int_equal(run("'%s' info '%s/plain.rom.h5' 2>&1", program, files.folder), 0);
+  assert_int_equal(run("'%s' info '%s/plain.rom.h5' 2>&1", program, mould_files.folder), 0);
   expect_said("none: the model was reduced from matrices");
-  assert_int_equal(run("'%s' check '%s/plain.yaml' 2>&1", program, files.folder), 0);
+  assert_int_equal(run("'%s' check '%s/plain.yaml' 2>&1", program, mould_files.folder), 0);
   expect_said("216 unknowns, 4 inputs");
   expect_said("B.mtx, of watts: each column sums to 1");
-  assert_int_equal(run("'%s' picture '%s/plain.rom.h5' '%s/plain.png' 2>&1", program, files.folder, files.folder), 1);
+  assert_int_equal(
+      run("'%s' picture '%s/plain.rom.h5' '%s/plain.png' 2>&1", program, mould_files.folder, mould_files.folder), 1);
   expect_said("castreduce: error: ");
 }
 
@@ -196,12 +169,12 @@ static void compare_ranks_the_methods_and_writes_no_rom(void **state)
   (void)state;
   static char csv[4000];
   double arnoldi[5], modal[5], rational[5], shorter[5];
-  mould_files_write(&files, "methods.yaml",
+  mould_files_write(&mould_files, "methods.yaml",
                     "matrices: { E: E.mtx, K: K.mtx, B: B.mtx }\n"
                     "reduction: { times: [10 ms, 100 s], tolerance: 1e-3 }\noutput: { file: methods.rom.h5 }\n");
-  if (run("cd '%s' && '%s' compare methods.yaml --quiet 2>&1", files.folder, program) != 0) fail_msg("%s", said);
+  if (run("cd '%s' && '%s' compare methods.yaml --quiet 2>&1", mould_files.folder, program) != 0) fail_msg("%s", said);
   expect_said("| arnoldi, q = 3 |");
-  FILE *file = fopen(path_of("methods.compare.csv"), "r");
+  FILE *file = fopen(mould_files_path("methods.compare.csv"), "r");
   assert_non_null(file);
   csv[fread(csv, 1, sizeof csv - 1, file)] = '\0';
   fclose(file);
@@ -214,8 +187,8 @@ static void compare_ranks_the_methods_and_writes_no_rom(void **state)
   assert_true(shorter[0] < rational[0]);
   assert_true(modal[4] > rational[4] && arnoldi[4] > rational[4]);
   assert_true(rational[1] > 0.0 && rational[2] > 0.0 && rational[2] < 1.0 && rational[3] > 1e6);
-  assert_int_equal(access(path_of("methods.compare.png"), F_OK), 0);
-  assert_int_not_equal(access(path_of("methods.rom.h5"), F_OK), 0);
+  assert_int_equal(access(mould_files_path("methods.compare.png"), F_OK), 0);
+  assert_int_not_equal(access(mould_files_path("methods.rom.h5"), F_OK), 0);
 }
 
 static void castrun_refuses_a_rom_without_a_cavity(void **state)
@@ -225,12 +198,13 @@ static void castrun_refuses_a_rom_without_a_cavity(void **state)
   RomData *rom = reduce("plain", "E: E.mtx, K: K.mtx, B: B.mtx", 1);
   rom_destroy(&rom);
   mould_files_write(
-      &files, "cast.yaml",
+      &mould_files, "cast.yaml",
       "rom: plain.rom.h5\npreheat: 700 degC\nambient: 25 degC\n"
       "melt: { material: cual10, temperature: 1150 degC, blocks: [{ corner: 0 0 0 mm, size: 1 1 1 mm }] }\n"
-      "forces: { gravity: 0 0 -9.81 m/s^2 }\ncontact: { h: 2000 W/m^2/K }\nsph: { spacing: 0.2 mm }\ntime: { end: 1 ms }\n"
+      "forces: { gravity: 0 0 -9.81 m/s^2 }\ncontact: { h: 2000 W/m^2/K }\nsph: { spacing: 0.2 mm }\ntime: { end: 1 ms "
+      "}\n"
       "output: { folder: results, every: 1 ms, curves_every: 1 ms }\n");
-  assert_int_equal(run("'%s' check '%s/cast.yaml' 2>&1", castrun, files.folder), 1);
+  assert_int_equal(run("'%s' check '%s/cast.yaml' 2>&1", castrun, mould_files.folder), 1);
   expect_said("was reduced from matrices and has no geometry: there is no cavity to pour into");
 }
 

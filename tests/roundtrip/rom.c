@@ -12,6 +12,7 @@
 
 #include "common/rom_report.h"
 #include "common/rom_schema.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/synthetic_rom.h"
 
 static const SyntheticSlab slab = {.size = {2e-3, 1e-3},
@@ -32,11 +33,6 @@ static const SyntheticBox box = {.outer = {20e-3, 18e-3, 16e-3},
                                  .rho = 1800.0,
                                  .c = 1100.0,
                                  .h_outside = 20.0};
-
-static void expect_ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static void expect_same_field(const RomData *a, const RomData *b, const RomField *field)
 {
@@ -89,8 +85,8 @@ static void expect_roundtrip(RomData *rom)
   const int descriptor = mkstemp(path);
   assert_true(descriptor >= 0);
   close(descriptor);
-  expect_ok(rom_write(rom, path, &err), &err); // replaces the file that is there
-  expect_ok(rom_read(path, &again, &err), &err);
+  ok(rom_write(rom, path, &err), &err); // replaces the file that is there
+  ok(rom_read(path, &again, &err), &err);
   for (size_t i = 0; i < rom_field_count; i++) expect_same_field(rom, again, &rom_fields[i]);
   rom_destroy(&again);
   assert_null(again);
@@ -102,7 +98,7 @@ static void slab_comes_back_bit_for_bit(void **state)
   (void)state;
   CastError err = {0};
   RomData *rom = NULL;
-  expect_ok(synthetic_rom_slab(&slab, &rom, &err), &err);
+  ok(synthetic_rom_slab(&slab, &rom, &err), &err);
   expect_roundtrip(rom);
   fill_the_rest(rom);
   expect_roundtrip(rom);
@@ -114,7 +110,7 @@ static void box_with_a_pin_comes_back_bit_for_bit(void **state)
   (void)state;
   CastError err = {0};
   RomData *rom = NULL;
-  expect_ok(synthetic_rom_box_cavity(&box, &rom, &err), &err);
+  ok(synthetic_rom_box_cavity(&box, &rom, &err), &err);
   fill_the_rest(rom);
   expect_roundtrip(rom);
   rom_destroy(&rom);
@@ -125,7 +121,7 @@ static void model_without_geometry_comes_back_bit_for_bit(void **state)
   (void)state;
   CastError err = {0};
   RomData *rom = NULL;
-  expect_ok(synthetic_rom_slab(&slab, &rom, &err), &err);
+  ok(synthetic_rom_slab(&slab, &rom, &err), &err);
   rom->n_points = rom->n_triangles = rom->n_tetrahedra = 0;
   expect_roundtrip(rom);
   rom_destroy(&rom);
@@ -140,22 +136,22 @@ static void every_data_set_carries_units_and_a_description(void **state)
   const int descriptor = mkstemp(path);
   assert_true(descriptor >= 0);
   close(descriptor);
-  expect_ok(synthetic_rom_slab(&slab, &rom, &err), &err);
-  expect_ok(rom_write(rom, path, &err), &err);
+  ok(synthetic_rom_slab(&slab, &rom, &err), &err);
+  ok(rom_write(rom, path, &err), &err);
   hid_t file = -1;
-  expect_ok(h5_file_open(path, &file, &err), &err);
+  ok(h5_file_open(path, &file, &err), &err);
   for (size_t i = 0; i < rom_field_count; i++) {
     const hid_t set = H5Dopen2(file, rom_fields[i].name, H5P_DEFAULT);
     assert_true(set >= 0);
-    expect_ok(h5_read_text_attribute(set, "units", &text, &err), &err);
+    ok(h5_read_text_attribute(set, "units", &text, &err), &err);
     assert_string_equal(text, rom_fields[i].units);
     free(text);
-    expect_ok(h5_read_text_attribute(set, "description", &text, &err), &err);
+    ok(h5_read_text_attribute(set, "description", &text, &err), &err);
     assert_string_equal(text, rom_fields[i].description);
     free(text);
     H5Dclose(set);
   }
-  expect_ok(h5_file_close(&file, &err), &err);
+  ok(h5_file_close(&file, &err), &err);
   rom_destroy(&rom);
   unlink(path);
 }
@@ -186,12 +182,12 @@ static void report_tells_what_the_file_holds(void **state)
   CastError err = {0};
   RomData *rom = NULL;
   char *text = NULL;
-  expect_ok(synthetic_rom_slab(&slab, &rom, &err), &err);
-  expect_ok(rom_report(rom, "a.rom.h5", &text, &err), &err);
+  ok(synthetic_rom_slab(&slab, &rom, &err), &err);
+  ok(rom_report(rom, "a.rom.h5", &text, &err), &err);
   assert_non_null(strstr(text, "no error was measured"));
   free(text);
   fill_the_rest(rom);
-  expect_ok(rom_report(rom, "a.rom.h5", &text, &err), &err);
+  ok(rom_report(rom, "a.rom.h5", &text, &err), &err);
   const char *parts[] = {"a.rom.h5\n",
                          "states     241, reduced from 241 unknowns",
                          "6 on the cavity wall, 2 outer surfaces",

@@ -10,6 +10,8 @@
 
 #include "tests/support/synthetic_rom.h"
 
+CastCase casting;
+
 CastStatus cast_case_create(CastCase *made, CastError *err)
 {
   snprintf(made->folder, sizeof made->folder, "/tmp/cast_case_XXXXXX");
@@ -71,4 +73,20 @@ static int remove_one(const char *path, const struct stat *info, int type, struc
 void cast_case_remove(const CastCase *made)
 {
   nftw(made->folder, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+int cast_case_set_up(void **state)
+{
+  (void)state;
+  CastError err = {0};
+  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
+  fprintf(stderr, "%s\n", err.message);
+  return 1;
+}
+
+int cast_case_clean_up(void **state)
+{
+  (void)state;
+  cast_case_remove(&casting);
+  return 0;
 }

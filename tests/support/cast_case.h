@@ -26,4 +26,9 @@ CastStatus cast_case_input(const CastCase *made, const char *name, const CastCas
                            CastError *err);
 void cast_case_remove(const CastCase *made); // the folder and all in it
 
+/* One case for all tests of a program, made and removed by cmocka's group. */
+extern CastCase casting;
+int cast_case_set_up(void **state);
+int cast_case_clean_up(void **state);
+
 #endif

@@ -4,6 +4,7 @@
 #include <petscksp.h>
 
 #include "reduce/petsc_compat.h"
+#include "reduce/replay/l_stable.h"
 
 const BoxMould INVESTMENT_BOX = {.size = {0.024, 0.016, 0.02},
                                  .cells = {12, 8, 16},
@@ -52,33 +53,6 @@ ReductionConfig arnoldi_config(void)
   return config;
 }
 
-/* Order 5 of R(z) = sum c_j w^j, w = 1/(1 - gamma z), with the gamma that makes P's degree 4: L-stable (Hairer &
- * Wanner, Solving ODEs II, table IV.6.4). d_k = sum_{j >= k} c_j from sum_j c_j (j + i - 1 over i) gamma^i = 1/i!, i
- * < 5. */
-enum { STAGES = 5 };
-static const PetscReal GAMMA = 0.278053841136452;
-
-static void scheme_weights(PetscReal d[STAGES])
-{
-  PetscReal A[STAGES][STAGES + 1], factorial = 1.0;
-  for (int i = 0; i < STAGES; i++) {
-    if (i > 0) factorial *= i;
-    A[i][STAGES] = 1.0 / factorial;
-    for (int j = 1; j <= STAGES; j++) {
-      A[i][j - 1] = pow(GAMMA, i);
-      for (int a = 1; a <= i; a++) A[i][j - 1] *= (PetscReal)(j - 1 + a) / a;
-    }
-  }
-  for (int p = 0; p < STAGES; p++) // Gauss-Jordan; the pivots are well away from 0 here
-    for (int i = 0; i < STAGES; i++) {
-      if (i == p) continue;
-      const PetscReal factor = A[i][p] / A[p][p];
-      for (int j = p; j <= STAGES; j++) A[i][j] -= factor * A[p][j];
-    }
-  PetscReal sum = 0.0;
-  for (int j = STAGES - 1; j >= 0; j--) d[j] = sum += A[j][STAGES] / A[j][j];
-}
-
 /* theta <- theta + gamma dt sum_k d_k v_k,  v_1 = M^-1 (F - K theta),  v_k+1 = M^-1 E v_k,  M = E + gamma dt K. */
 static PetscErrorCode advance(const ThermalSystem *system, KSP ksp, PetscReal dt, const PetscReal *d, Mat F, Mat theta,
                               Mat v, Mat rhs)
@@ -86,10 +60,10 @@ static PetscErrorCode advance(const ThermalSystem *system, KSP ksp, PetscReal dt
   PetscFunctionBeginUser;
   PetscCall(MatMatMult(system->K, theta, MAT_REUSE_MATRIX, PETSC_DEFAULT, &rhs));
   PetscCall(MatAYPX(rhs, -1.0, F, SAME_NONZERO_PATTERN));
-  for (int k = 0; k < STAGES; k++) {
+  for (int k = 0; k < L_STABLE_STAGES; k++) {
     PetscCall(KSPMatSolve(ksp, rhs, v));
-    PetscCall(MatAXPY(theta, GAMMA * dt * d[k], v, SAME_NONZERO_PATTERN));
-    if (k + 1 < STAGES) {
+    PetscCall(MatAXPY(theta, L_STABLE_GAMMA * dt * d[k], v, SAME_NONZERO_PATTERN));
+    if (k + 1 < L_STABLE_STAGES) {
       Mat Ev;
       PetscCall(MatMatMult(system->E, v, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &Ev));
       PetscCall(MatCopy(Ev, rhs, SAME_NONZERO_PATTERN));
@@ -106,7 +80,7 @@ static PetscErrorCode factorise(const ThermalSystem *system, PetscReal dt, KSP k
 
   PetscFunctionBeginUser;
   PetscCall(MatCopy(system->E, M, SAME_NONZERO_PATTERN));
-  PetscCall(MatAXPY(M, GAMMA * dt, system->K, SAME_NONZERO_PATTERN));
+  PetscCall(MatAXPY(M, L_STABLE_GAMMA * dt, system->K, SAME_NONZERO_PATTERN));
   PetscCall(KSPSetOperators(ksp, M, M));
   PetscCall(KSPSetType(ksp, KSPPREONLY));
   PetscCall(KSPGetPC(ksp, &pc));
@@ -148,11 +122,11 @@ PetscErrorCode full_step_responses(const ThermalSystem *system, Mat F, PetscReal
 {
   Mat M, theta, v, rhs;
   KSP ksp;
-  PetscReal d[STAGES];
+  PetscReal d[L_STABLE_STAGES];
   PetscInt k;
 
   PetscFunctionBeginUser;
-  scheme_weights(d);
+  l_stable_weights(d);
   PetscCall(MatGetSize(F, NULL, &k));
   PetscCall(MatDuplicate(system->E, MAT_COPY_VALUES, &M));
   PetscCall(MatDuplicate(F, MAT_DO_NOT_COPY_VALUES, &theta));

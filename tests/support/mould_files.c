@@ -124,3 +124,26 @@ const char *mould_files_yaml_of_mesh(const char *name, const char *geometry_line
            name, geometry_lines, REGIONS, REDUCTION);
   return yaml;
 }
+
+MouldFiles mould_files;
+
+int mould_files_set_up(void **state)
+{
+  (void)state;
+  mould_files_create(&mould_files);
+  return 0;
+}
+
+int mould_files_clean_up(void **state)
+{
+  (void)state;
+  mould_files_remove(&mould_files);
+  return 0;
+}
+
+const char *mould_files_path(const char *name)
+{
+  static char path[256];
+  snprintf(path, sizeof path, "%s/%s", mould_files.folder, name);
+  return path;
+}

@@ -26,6 +26,13 @@ void mould_files_convert(const MouldFiles *files, const char *name, const char *
 void mould_files_write(const MouldFiles *files, const char *name, const char *text);
 void mould_files_remove(MouldFiles *files);
 
+/* One folder for all tests of a program, made and removed by cmocka's group; the path of a file in it, valid until the
+ * next call. */
+extern MouldFiles mould_files;
+int mould_files_set_up(void **state);
+int mould_files_clean_up(void **state);
+const char *mould_files_path(const char *name);
+
 /* A whole mould.yaml for the geometry file `name`; `unit`: line(s) for the geometry section, such as "unit: mm\n". */
 const char *mould_files_yaml(const char *name, const char *geometry_lines);
 /* The same without what only a mesher needs, for ready meshes. */

@@ -25,6 +25,8 @@ typedef struct SyntheticSlab {
   double growth;           // ratio of successive layers' heights, >= 1; 0: 1
 } SyntheticSlab;
 CastStatus synthetic_rom_slab(const SyntheticSlab *slab, RomData **rom, CastError *err);
+RomData *
+synthetic_rom_small(void); // a slab of few modes, with all arrays of the certificate; aborts the test on failure
 
 /* A box of mould with a box cavity open at the top: the rim is the plane z = 0, the axis of the opening is x = y = 0.
  *   mould   -outer[0]/2 <= x <= outer[0]/2, the same in y, -outer[2] <= z <= 0

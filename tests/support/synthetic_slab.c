@@ -4,11 +4,19 @@
  * constant, w = 1 - sum_k c_k phi_00k, is E- and K-orthogonal to each of them (phi^T K w = lambda phi^T E w = 0), so it
  * is one more state, with lambda_w = w^T K 1/w^T E w = h A w(-L)/|w|^2. */
 #include "tests/support/synthetic_rom.h"
-#include "tests/support/voxel_mould.h"
 
 #include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "tests/support/assert_ok.h"
+#include "tests/support/voxel_mould.h"
 
 typedef struct Mode {
   size_t i, j, k; // k == modes in depth: the rest w
@@ -300,4 +308,22 @@ CastStatus synthetic_rom_slab(const SyntheticSlab *given, RomData **rom, CastErr
   else
     rom_destroy(&made);
   return status;
+}
+
+RomData *synthetic_rom_small(void)
+{
+  static const SyntheticSlab slab = {.size = {2e-3, 1e-3},
+                                     .depth = 5e-3,
+                                     .kappa = 1.0,
+                                     .rho = 1800.0,
+                                     .c = 1100.0,
+                                     .h_bottom = 15.0,
+                                     .modes = 8,
+                                     .modes_lateral = {2, 2},
+                                     .patches = {2, 2}};
+  CastError err = {0};
+  RomData *rom = NULL;
+  ok(synthetic_rom_slab(&slab, &rom, &err), &err);
+  rom->certificate.n_times = rom->certificate.n_frequencies = rom->n_shifts = 1; // arrays of one zero
+  return rom;
 }

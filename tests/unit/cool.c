@@ -13,14 +13,10 @@
 
 #include "cast/cool/mould_response.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/melt_on_mould.h"
 
 static const double dx = 2e-4, hot = 1320.0, cold = 1073.0;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 /* A metal of real kinks: freezes over 10 K, conducts half as well when liquid. */
 static const char BRONZE[] =

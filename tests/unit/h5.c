@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "common/h5.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/full_disk.h"
 
 static char path[64];
@@ -29,11 +30,6 @@ static int remove_path(void **state)
   return unlink(path);
 }
 
-static void expect_ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
-
 static void expect_message(const CastError *err, const char *part)
 {
   if (!strstr(err->message, part)) fail_msg("'%s' does not say '%s'", err->message, part);
@@ -48,29 +44,29 @@ static void arrays_of_each_rank_come_back(void **state)
   assert_non_null(values);
   for (int i = 0; i < 30000; i++) values[i] = 1.0 / (1.0 + i);
   const hsize_t shapes[4][3] = {{0}, {30000}, {100, 300}, {10, 30, 100}};
-  expect_ok(h5_file_create(path, &file, &err), &err);
-  expect_ok(h5_write(file, "a/scalar", H5T_NATIVE_DOUBLE, 0, NULL, &scalar, "m", "one", &err), &err);
+  ok(h5_file_create(path, &file, &err), &err);
+  ok(h5_write(file, "a/scalar", H5T_NATIVE_DOUBLE, 0, NULL, &scalar, "m", "one", &err), &err);
   const char *names[] = {"", "a/one", "a/two", "b/three"};
   for (int rank = 1; rank <= 3; rank++)
-    expect_ok(h5_write(file, names[rank], H5T_NATIVE_DOUBLE, rank, shapes[rank], values, "m", "many", &err), &err);
-  expect_ok(h5_file_close(&file, &err), &err);
+    ok(h5_write(file, names[rank], H5T_NATIVE_DOUBLE, rank, shapes[rank], values, "m", "many", &err), &err);
+  ok(h5_file_close(&file, &err), &err);
   assert_int_equal(file, -1);
-  expect_ok(h5_file_open(path, &file, &err), &err);
+  ok(h5_file_open(path, &file, &err), &err);
   for (int rank = 1; rank <= 3; rank++) {
     hsize_t shape[3] = {0, 0, 0};
     void *data = NULL;
-    expect_ok(h5_read(file, names[rank], H5T_NATIVE_DOUBLE, rank, shape, &data, &err), &err);
+    ok(h5_read(file, names[rank], H5T_NATIVE_DOUBLE, rank, shape, &data, &err), &err);
     for (int d = 0; d < rank; d++) assert_int_equal(shape[d], shapes[rank][d]);
     assert_memory_equal(data, values, 30000 * sizeof *values);
     free(data);
   }
   void *data = NULL;
-  expect_ok(h5_read(file, "a/scalar", H5T_NATIVE_DOUBLE, 0, NULL, &data, &err), &err);
+  ok(h5_read(file, "a/scalar", H5T_NATIVE_DOUBLE, 0, NULL, &data, &err), &err);
   assert_memory_equal(data, &scalar, sizeof scalar);
   free(data);
   assert_true(h5_exists(file, "b/three"));
   assert_false(h5_exists(file, "c/three"));
-  expect_ok(h5_file_close(&file, &err), &err);
+  ok(h5_file_close(&file, &err), &err);
   free(values);
 }
 
@@ -81,38 +77,38 @@ static void texts_names_and_attributes_come_back(void **state)
   hid_t file = -1;
   const char names[3][H5_NAME_LENGTH] = {"first", "", "a third one"};
   const int numbers[2] = {3, -4};
-  expect_ok(h5_file_create(path, &file, &err), &err);
-  expect_ok(h5_write_text(file, "text",
-                          "two\nlines \xc2\xb0"
-                          "C",
-                          "a text", &err),
-            &err);
-  expect_ok(h5_write_text(file, "nothing", "", "an empty text", &err), &err);
-  expect_ok(h5_write_names(file, "names", 3, names[0], "names", &err), &err);
-  expect_ok(h5_write_attribute(file, "numbers", H5T_NATIVE_INT, 2, numbers, &err), &err);
-  expect_ok(h5_write_text_attribute(file, "word", "PolyData", &err), &err);
-  expect_ok(h5_file_close(&file, &err), &err);
-  expect_ok(h5_file_open(path, &file, &err), &err);
+  ok(h5_file_create(path, &file, &err), &err);
+  ok(h5_write_text(file, "text",
+                   "two\nlines \xc2\xb0"
+                   "C",
+                   "a text", &err),
+     &err);
+  ok(h5_write_text(file, "nothing", "", "an empty text", &err), &err);
+  ok(h5_write_names(file, "names", 3, names[0], "names", &err), &err);
+  ok(h5_write_attribute(file, "numbers", H5T_NATIVE_INT, 2, numbers, &err), &err);
+  ok(h5_write_text_attribute(file, "word", "PolyData", &err), &err);
+  ok(h5_file_close(&file, &err), &err);
+  ok(h5_file_open(path, &file, &err), &err);
   char *text = NULL;
-  expect_ok(h5_read_text(file, "text", &text, &err), &err);
+  ok(h5_read_text(file, "text", &text, &err), &err);
   assert_string_equal(text, "two\nlines \xc2\xb0"
                             "C");
   free(text);
-  expect_ok(h5_read_text(file, "nothing", &text, &err), &err);
+  ok(h5_read_text(file, "nothing", &text, &err), &err);
   assert_string_equal(text, "");
   free(text);
   size_t n = 0;
-  expect_ok(h5_read_names(file, "names", &n, &text, &err), &err);
+  ok(h5_read_names(file, "names", &n, &text, &err), &err);
   assert_int_equal(n, 3);
   assert_memory_equal(text, names, sizeof names);
   free(text);
   int again[2] = {0, 0};
-  expect_ok(h5_read_attribute(file, "numbers", H5T_NATIVE_INT, 2, again, &err), &err);
+  ok(h5_read_attribute(file, "numbers", H5T_NATIVE_INT, 2, again, &err), &err);
   assert_memory_equal(again, numbers, sizeof numbers);
-  expect_ok(h5_read_text_attribute(file, "word", &text, &err), &err);
+  ok(h5_read_text_attribute(file, "word", &text, &err), &err);
   assert_string_equal(text, "PolyData");
   free(text);
-  expect_ok(h5_file_close(&file, &err), &err);
+  ok(h5_file_close(&file, &err), &err);
 }
 
 static void what_is_not_as_expected_is_refused_by_name(void **state)
@@ -124,8 +120,8 @@ static void what_is_not_as_expected_is_refused_by_name(void **state)
   const hsize_t shape[2] = {2, 3};
   void *data = NULL;
   char *text = NULL;
-  expect_ok(h5_file_create(path, &file, &err), &err);
-  expect_ok(h5_write(file, "g/table", H5T_NATIVE_DOUBLE, 2, shape, values, "K", "values", &err), &err);
+  ok(h5_file_create(path, &file, &err), &err);
+  ok(h5_write(file, "g/table", H5T_NATIVE_DOUBLE, 2, shape, values, "K", "values", &err), &err);
   hsize_t found[3] = {0, 4, 0};
   assert_int_equal(h5_read(file, "g/table", H5T_NATIVE_DOUBLE, 2, found, &data, &err), CAST_ERR_FORMAT);
   expect_message(&err, "g/table has 3 entries along dimension 1, 4 are expected");
@@ -143,7 +139,7 @@ static void what_is_not_as_expected_is_refused_by_name(void **state)
   expect_message(&err, "attribute colour of / is missing");
   assert_int_equal(h5_write(file, "g/table", H5T_NATIVE_DOUBLE, 2, shape, values, "K", "again", &err), CAST_ERR_IO);
   expect_message(&err, "g/table cannot be written");
-  expect_ok(h5_file_close(&file, &err), &err);
+  ok(h5_file_close(&file, &err), &err);
 }
 
 static void set_that_claims_more_than_the_file_holds_costs_no_memory(void **state)
@@ -151,7 +147,7 @@ static void set_that_claims_more_than_the_file_holds_costs_no_memory(void **stat
   (void)state;
   CastError err = {0};
   hid_t file = -1;
-  expect_ok(h5_file_create(path, &file, &err), &err);
+  ok(h5_file_create(path, &file, &err), &err);
   const hsize_t shape[2] = {1u << 20, 1u << 20}, chunk[2] = {1024, 1024};
   const hid_t space = H5Screate_simple(2, shape, NULL), list = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_chunk(list, 2, chunk);
@@ -162,7 +158,7 @@ static void set_that_claims_more_than_the_file_holds_costs_no_memory(void **stat
   void *data = NULL;
   assert_int_equal(h5_read(file, "huge", H5T_NATIVE_DOUBLE, 2, found, &data, &err), CAST_ERR_FORMAT);
   expect_message(&err, "huge claims 8796093022208 bytes, but the file holds only 0");
-  expect_ok(h5_file_close(&file, &err), &err);
+  ok(h5_file_close(&file, &err), &err);
 }
 
 static void foreign_and_missing_files_are_told_apart(void **state)

@@ -17,30 +17,8 @@
 #include "cast/sim.h"
 #include "common/h5.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
-
-static CastCase casting;
-
-static int set_up(void **state)
-{
-  (void)state;
-  CastError err = {0};
-  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
-  fprintf(stderr, "%s\n", err.message);
-  return 1;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
-}
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static void check_triangles(const HeatRecord *record, const RomData *rom)
 {
@@ -90,7 +68,7 @@ static void check_run(const char *name, const char *coupling, const char *contac
   assert_true(e.exchanged > 1e-3 && largest > 0.0);
   assert_close(total, e.mould_now + e.lost, 1e-9 * e.exchanged); // R4: the melt's heat; what left is in `lost`
   assert_true(walls[0] ? through_walls < -1e-3 * total : through_walls == 0.0);
-  assert_int_equal(record.n, 9);                                 // 3 ms: eight intervals and a part
+  assert_int_equal(record.n, 9); // 3 ms: eight intervals and a part
   assert_close(record.time[0], 0.37e-3, 1e-18);
   assert_close(record.time[8], 3e-3, 1e-15);
   assert_true(record.preheat == config->preheat && record.ambient == config->ambient);
@@ -203,5 +181,5 @@ int main(void)
       cmocka_unit_test(another_file_is_no_record),
       cmocka_unit_test(a_row_that_was_not_finished_is_dropped),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, cast_case_set_up, cast_case_clean_up);
 }

@@ -12,15 +12,11 @@
 
 #include "cast/particles/neighbours.h"
 #include "cast/particles/vicinity.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/shaped_mould.h"
 
 enum { FLUID = 1500, WALLS = 700 };
 static const double reach = 0.13, skin = 0.02;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 /* A cloud of fluid in [0, 1]^3 with walls in its lower half, at random; one fluid particle far away. */
 static Particles cloud(unsigned long long seed, bool far_one)

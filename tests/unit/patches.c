@@ -12,7 +12,7 @@
 
 #include "reduce/mesh/partition.h"
 #include "reduce/mesh/triangle_tree.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 
 enum { MOST = 20000 };
 static const double PI = 3.14159265358979323846;
@@ -57,8 +57,7 @@ static void weld(void)
 {
   for (size_t i = 0; i < 3 * sheet.n; i++)
     for (int32_t p = 0; p < sheet.triangle[i]; p++)
-      if (vector_distance(sheet.x + 3 * (size_t)p, sheet.x + 3 * (size_t)sheet.triangle[i]) < 1e-9)
-        sheet.triangle[i] = p;
+      if (vec_distance(sheet.x + 3 * (size_t)p, sheet.x + 3 * (size_t)sheet.triangle[i]) < 1e-9) sheet.triangle[i] = p;
 }
 
 static SurfaceGraph *make_graph(void)
@@ -297,7 +296,7 @@ static double brute_force(const double *corners, const double *offset, size_t n,
         double at[3];
         for (size_t d = 0; d < 3; d++)
           at[d] = (1 - u - v) * corners[9 * t + d] + u * corners[9 * t + 3 + d] + v * corners[9 * t + 6 + d];
-        best = fmin(best, offset[t] + slope * vector_distance(at, x));
+        best = fmin(best, offset[t] + slope * vec_distance(at, x));
       }
   return best;
 }

@@ -13,6 +13,7 @@
 
 #include "common/picture.h"
 #include "common/rom_picture.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/synthetic_rom.h"
 
 /* fontconfig keeps what it found. */
@@ -27,11 +28,6 @@ typedef struct Image {
   unsigned char *data;
   cairo_surface_t *surface;
 } Image;
-
-static void expect_ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static Image load(const char *path)
 {
@@ -77,9 +73,9 @@ static Image draw(const PictureScene *scene)
   const int descriptor = mkstemp(path);
   assert_true(descriptor >= 0);
   close(descriptor);
-  expect_ok(picture_create(&(PicturePage){.width = 200, .height = 200}, &picture, &err), &err);
-  expect_ok(picture_draw_scene(picture, 0, scene, &err), &err);
-  expect_ok(picture_save(picture, path, &err), &err);
+  ok(picture_create(&(PicturePage){.width = 200, .height = 200}, &picture, &err), &err);
+  ok(picture_draw_scene(picture, 0, scene, &err), &err);
+  ok(picture_save(picture, path, &err), &err);
   picture_destroy(&picture);
   assert_null(picture);
   const Image image = load(path);
@@ -263,9 +259,9 @@ static void curve_passes_where_its_values_say(void **state)
   const PictureCurve curve = {.n = 2, .x = x, .y = y, .width = 6.0};
   const PicturePlot plot = {
       .log_x = true, .y_limits = true, .y_low = 0.0, .y_high = 1.0, .n_curves = 1, .curves = &curve};
-  expect_ok(picture_create(&(PicturePage){.width = 400, .height = 300}, &picture, &err), &err);
-  expect_ok(picture_draw_plot(picture, 0, &plot, &err), &err);
-  expect_ok(picture_save(picture, path, &err), &err);
+  ok(picture_create(&(PicturePage){.width = 400, .height = 300}, &picture, &err), &err);
+  ok(picture_draw_plot(picture, 0, &plot, &err), &err);
+  ok(picture_save(picture, path, &err), &err);
   picture_destroy(&picture);
   Image image = load(path);
   unlink(path);
@@ -283,7 +279,7 @@ static void what_cannot_be_shown_is_refused(void **state)
   const PictureScale flat = {.low = 1.0, .high = 1.0};
   const PicturePage flat_page = {.width = 100, .height = 100, .scale = {&flat}};
   assert_int_equal(picture_create(&flat_page, &picture, &err), CAST_ERR_ARGUMENT);
-  expect_ok(picture_create(&(PicturePage){.width = 200, .height = 200}, &picture, &err), &err);
+  ok(picture_create(&(PicturePage){.width = 200, .height = 200}, &picture, &err), &err);
   assert_int_equal(picture_draw_scene(picture, 0, &(PictureScene){0}, &err), CAST_ERR_ARGUMENT);
   assert_int_equal(picture_draw_scene(picture, 1, &(PictureScene){0}, &err), CAST_ERR_ARGUMENT);
   const double bad[1] = {NAN}, x[1] = {1.0};
@@ -328,13 +324,12 @@ static void page_with_everything_on_it_holds_together(void **state)
                                 .point_values = point_values,
                                 .scale = &melt};
   const PictureScene scene = {.azimuth = 30, .elevation = 90, .n_surfaces = 1, .surfaces = &solid, .caption = "above"};
-  expect_ok(picture_create(&page, &picture, &err), &err);
-  expect_ok(picture_draw_plot(picture, 0, &plot, &err), &err);
-  expect_ok(picture_draw_plot(picture, 3, &(PicturePlot){.log_x = true, .log_y = true, .n_curves = 1, .curves = curves},
-                              &err),
-            &err);
-  expect_ok(picture_draw_scene(picture, 1, &scene, &err), &err);
-  expect_ok(picture_save(picture, path, &err), &err);
+  ok(picture_create(&page, &picture, &err), &err);
+  ok(picture_draw_plot(picture, 0, &plot, &err), &err);
+  ok(picture_draw_plot(picture, 3, &(PicturePlot){.log_x = true, .log_y = true, .n_curves = 1, .curves = curves}, &err),
+     &err);
+  ok(picture_draw_scene(picture, 1, &scene, &err), &err);
+  ok(picture_save(picture, path, &err), &err);
   picture_destroy(&picture);
   const Image image = load(path);
   assert_int_equal(image.width, 600);
@@ -361,8 +356,8 @@ static void rom_is_drawn_in_the_colours_of_its_surfaces(void **state)
   RomData *rom = NULL;
   char path[] = "/tmp/picture_XXXXXX";
   close(mkstemp(path));
-  expect_ok(synthetic_rom_box_cavity(&box, &rom, &err), &err);
-  expect_ok(rom_picture(rom, path, &err), &err);
+  ok(synthetic_rom_box_cavity(&box, &rom, &err), &err);
+  ok(rom_picture(rom, path, &err), &err);
   const Image image = load(path);
   assert_int_equal(image.width, 1500);
   int blue = 0, orange = 0, grey = 0;

@@ -13,16 +13,12 @@
 #include "cast/io/probes.h"
 #include "cast/geometry/placement.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
+#include "tests/support/lattice_melt.h"
 
-static CastCase casting; // its folder; and its ROM
-static RomData *rom;
+static RomData *rom; // of the case
 static Surface *surface;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static int set_up(void **state)
 {
@@ -46,27 +42,6 @@ static int clean_up(void **state)
   return 0;
 }
 
-/* Melt on a lattice in the box [0, nx] x [0, ny] x [0, nz] spacings from `corner`; temperature rises with x. */
-static Particles make_melt(const double corner[3], const int n[3], double spacing)
-{
-  PointSet points = {.n = (ptrdiff_t)n[0] * n[1] * n[2]};
-  for (int d = 0; d < 3; d++) points.x[d] = malloc((size_t)points.n * sizeof(double));
-  ptrdiff_t i = 0;
-  for (int a = 0; a < n[0]; a++)
-    for (int b = 0; b < n[1]; b++)
-      for (int c = 0; c < n[2]; c++, i++) {
-        points.x[0][i] = corner[0] + (a + 0.5) * spacing;
-        points.x[1][i] = corner[1] + (b + 0.5) * spacing;
-        points.x[2][i] = corner[2] + (c + 0.5) * spacing;
-      }
-  Particles p = {0};
-  CastError err = {0};
-  ok(particles_create(points.n, points.x, spacing, 7000.0, NULL, &p, &err), &err);
-  for (i = 0; i < p.n; i++) p.T[i] = 1300.0 + 1e4 * p.x[0][i];
-  for (int d = 0; d < 3; d++) free(points.x[d]);
-  return p;
-}
-
 /* ---- probes ---- */
 
 /* T = 1300 + 1e4 x is linear and the place a lattice point's centre of symmetry: the kernel's average is exact. */
@@ -75,7 +50,7 @@ static void a_probe_in_the_melt_averages_a_linear_field_exactly(void **state)
   (void)state;
   CastError err = {0};
   const double h = 0.6e-3, corner[3] = {-2e-3, -2e-3, -4e-3};
-  Particles p = make_melt(corner, (const int[3]){10, 10, 10}, 0.4e-3);
+  Particles p = lattice_melt(corner, (const int[3]){10, 10, 10}, 0.4e-3);
   const double x[3][3] = {{0.0, 0.0, -2e-3}, {0.0, 0.0, 3e-3}, {3e-3, 0.0, -2e-3}};
   Probes *probes = NULL;
   RomState *mould = NULL;
@@ -140,13 +115,13 @@ static void half_a_cavity_of_melt_is_half_filled(void **state)
   assert_close(sum, filling_volume(filling, all), 1e-18);
   // the box of 4 mm and the pin of 1.6 x 1.6 x 2 mm
   assert_close(filling_volume(filling, all), 64e-9 + 1.6 * 1.6 * 2.0e-9, 1e-3 * 64e-9);
-  Particles p = make_melt(corner, (const int[3]){10, 10, 5}, spacing);
+  Particles p = lattice_melt(corner, (const int[3]){10, 10, 5}, spacing);
   filling_update(filling, &p, 0.25);
   const double volume = 0.5 * 64e-9 / filling_volume(filling, all);
   // the cells above the melt are a whole cell away from it: none of them counts
   assert_close(filling_fraction(filling, all), volume, 1e-3);
   assert_true(isnan(filling_time(filling, all, 0))); // 46 % of cavity and pin
-  Particles more = make_melt(corner, (const int[3]){10, 10, 6}, spacing);
+  Particles more = lattice_melt(corner, (const int[3]){10, 10, 6}, spacing);
   filling_update(filling, &more, 0.5);
   assert_close(filling_time(filling, all, 0), 0.5, 0.0);
   assert_true(isnan(filling_time(filling, all, 1)));
@@ -198,7 +173,7 @@ static void the_part_is_what_the_user_names(void **state)
   snprintf(names[0], sizeof names[0], "cavity");
   ok(filling_set_part(filling, 1, names, &err), &err);
   assert_string_equal(filling_name(filling, all), "part");
-  Particles p = make_melt(corner, (const int[3]){10, 10, 10}, spacing); // the box, not the pin
+  Particles p = lattice_melt(corner, (const int[3]){10, 10, 10}, spacing); // the box, not the pin
   filling_update(filling, &p, 0.25);
   assert_close(filling_volume(filling, all), filling_volume(filling, 0), 1e-18);
   assert_close(filling_fraction(filling, all), 1.0, 1e-12);

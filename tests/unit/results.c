@@ -19,16 +19,12 @@
 #include "cast/io/mould_results.h"
 #include "cast/geometry/placement.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
+#include "tests/support/lattice_melt.h"
 
-static CastCase casting; // its folder; and its ROM
-static RomData *rom;
+static RomData *rom; // of the case
 static Material melt;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static CastStatus read_melt(CastError *err)
 {
@@ -59,27 +55,6 @@ static int clean_up(void **state)
   rom_destroy(&rom);
   cast_case_remove(&casting);
   return 0;
-}
-
-/* Melt on a lattice in the box [0, nx] x [0, ny] x [0, nz] spacings from `corner`; temperature rises with x. */
-static Particles make_melt(const double corner[3], const int n[3], double spacing)
-{
-  PointSet points = {.n = (ptrdiff_t)n[0] * n[1] * n[2]};
-  for (int d = 0; d < 3; d++) points.x[d] = malloc((size_t)points.n * sizeof(double));
-  ptrdiff_t i = 0;
-  for (int a = 0; a < n[0]; a++)
-    for (int b = 0; b < n[1]; b++)
-      for (int c = 0; c < n[2]; c++, i++) {
-        points.x[0][i] = corner[0] + (a + 0.5) * spacing;
-        points.x[1][i] = corner[1] + (b + 0.5) * spacing;
-        points.x[2][i] = corner[2] + (c + 0.5) * spacing;
-      }
-  Particles p = {0};
-  CastError err = {0};
-  ok(particles_create(points.n, points.x, spacing, 7000.0, NULL, &p, &err), &err);
-  for (i = 0; i < p.n; i++) p.T[i] = 1300.0 + 1e4 * p.x[0][i];
-  for (int d = 0; d < 3; d++) free(points.x[d]);
-  return p;
 }
 
 /* ---- VTKHDF ---- */
@@ -166,7 +141,7 @@ static void steps_of_different_length_are_read_as_vtk_reads_them(void **state)
   (void)state;
   CastError err = {0};
   const double corner[3] = {0, 0, 0};
-  Particles p = make_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
+  Particles p = lattice_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
   MeltResults *results = NULL;
   ok(melt_results_open(casting.folder, &melt, p.n, 0, &results, &err), &err);
   write_three_steps(results, &p);
@@ -206,7 +181,7 @@ static void particles_are_written_in_the_order_of_their_ids(void **state)
   (void)state;
   CastError err = {0};
   const double corner[3] = {0, 0, 0};
-  Particles p = make_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
+  Particles p = lattice_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
   MeltResults *results = NULL;
   ok(melt_results_open(casting.folder, &melt, p.n, 0, &results, &err), &err);
   write_three_steps(results, &p);
@@ -245,7 +220,7 @@ static void a_file_that_is_cut_back_and_continued_equals_one_written_at_once(voi
   (void)state;
   CastError err = {0};
   const double corner[3] = {0, 0, 0};
-  Particles p = make_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
+  Particles p = lattice_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
   MeltResults *results = NULL;
   ok(melt_results_open(casting.folder, &melt, p.n, 0, &results, &err), &err);
   ok(melt_results_append(results, 0.0, &p, &err), &err);
@@ -280,7 +255,7 @@ static void a_file_that_somebody_reads_is_still_appended_to(void **state)
   (void)state;
   CastError err = {0};
   const double corner[3] = {0, 0, 0};
-  Particles p = make_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
+  Particles p = lattice_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
   MeltResults *results = NULL;
   ok(melt_results_open(casting.folder, &melt, p.n, 0, &results, &err), &err);
   ok(melt_results_append(results, 0.0, &p, &err), &err);
@@ -393,7 +368,7 @@ static void side_files_are_well_formed_and_point_at_the_rows_of_each_step(void *
   (void)state;
   CastError err = {0};
   const double corner[3] = {0, 0, 0};
-  Particles p = make_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
+  Particles p = lattice_melt(corner, (const int[3]){4, 3, 2}, 1e-3);
   MeltResults *results = NULL;
   ok(melt_results_open(casting.folder, &melt, p.n, 0, &results, &err), &err);
   write_three_steps(results, &p);

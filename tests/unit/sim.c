@@ -19,6 +19,7 @@
 #include "cast/io/run_record.h"
 #include "cast/sim.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 
 /* fontconfig keeps what it found. */
@@ -26,29 +27,6 @@ const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void)
 {
   return "leak:libfontconfig";
-}
-
-static CastCase casting;
-
-static int set_up(void **state)
-{
-  (void)state;
-  CastError err = {0};
-  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
-  fprintf(stderr, "%s\n", err.message);
-  return 1;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
-}
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
 }
 
 typedef struct Run {
@@ -419,5 +397,5 @@ int main(void)
       cmocka_unit_test(a_run_that_writes_has_the_bits_of_one_that_does_not),
       cmocka_unit_test(a_block_holds_its_volume_s_worth_of_particles),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, cast_case_set_up, cast_case_clean_up);
 }

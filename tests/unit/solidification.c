@@ -12,14 +12,10 @@
 #include "cast/physics/solidification.h"
 #include "cast/physics/sph.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/lattice_tank.h"
 
 static const double dx = 1e-3;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 /* Freezes from 1100 to 1000 K, conducts next to nothing. `more`: further keys. */
 static Material read_melt(const char *more)

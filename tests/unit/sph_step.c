@@ -11,15 +11,11 @@
 #include "cast/kernel/pair.h"
 #include "cast/physics/sph.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/lattice_tank.h"
 #include "tests/support/shaped_mould.h"
 
 static const double dx = 1e-3, capacity = 500.0;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 /* A melt with constant properties and E = 500 T. */
 static Material make_melt(double kappa, double mu)

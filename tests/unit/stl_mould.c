@@ -10,29 +10,6 @@
 #include "reduce/mesh/stl_file.h"
 #include "tests/support/mould_files.h"
 
-static MouldFiles files;
-
-static int make_files(void **state)
-{
-  (void)state;
-  mould_files_create(&files);
-  return 0;
-}
-
-static int remove_files(void **state)
-{
-  (void)state;
-  mould_files_remove(&files);
-  return 0;
-}
-
-static const char *path_of(const char *name)
-{
-  static char path[160];
-  snprintf(path, sizeof path, "%s/%s", files.folder, name);
-  return path;
-}
-
 /* A cup on a pin, both round (facets about the axis z): radius 4 mm from 6 to 12 mm, radius 1 mm from 2 to 6 mm. */
 enum { FACETS = 32, RINGS = 6 };
 static const double PROFILE[RINGS][2] = {{0, 2}, {1, 2}, {1, 6}, {4, 6}, {4, 12}, {0, 12}};
@@ -84,7 +61,7 @@ static void write_rings(StlWriter *writer, const char *name, int first, int last
 
 static void write_part(const char *name, int leave_out, int turn)
 {
-  StlWriter writer = {.file = fopen(path_of(name), "w"), .leave_out = leave_out, .turn = turn};
+  StlWriter writer = {.file = fopen(mould_files_path(name), "w"), .leave_out = leave_out, .turn = turn};
   assert_non_null(writer.file);
   write_rings(&writer, "pin", 0, 2);
   write_rings(&writer, "cup", 2, RINGS - 1);
@@ -95,7 +72,7 @@ static StlSurface *read_part(const char *name)
 {
   StlSurface *part = NULL;
   CastError err;
-  if (stl_read(path_of(name), &part, &err) != CAST_OK) fail_msg("%s", err.message);
+  if (stl_read(mould_files_path(name), &part, &err) != CAST_OK) fail_msg("%s", err.message);
   return part;
 }
 
@@ -117,7 +94,7 @@ static void an_stl_file_is_read_with_its_solids_and_joined_points(void **state)
 
 static void write_binary(const char *name, const StlSurface *part)
 {
-  FILE *file = fopen(path_of(name), "wb");
+  FILE *file = fopen(mould_files_path(name), "wb");
   char header[80] = "solid but binary all the same";
   const uint32_t n = (uint32_t)part->n_triangles;
   assert_non_null(file);
@@ -150,7 +127,7 @@ static void expect_fault(const char *name, const char *says)
 {
   StlSurface *part = NULL;
   CastError err = {CAST_OK, ""};
-  CastStatus status = stl_read(path_of(name), &part, &err);
+  CastStatus status = stl_read(mould_files_path(name), &part, &err);
   if (status == CAST_OK) status = stl_check(part, name, 1e-3, &err);
   assert_int_equal(status, CAST_ERR_INPUT);
   if (!strstr(err.message, says)) fail_msg("'%s' does not say '%s'", err.message, says);
@@ -164,13 +141,13 @@ static void open_turned_and_broken_files_are_refused_with_the_place(void **state
   expect_fault("open.stl", "the surface is open: triangle ");
   write_part("turned.stl", 0, 70);
   expect_fault("turned.stl", "are wound against each other: the normal of one of them points to the wrong side");
-  mould_files_write(&files, "word.stl", "solid a\n facet normal 0 0 1\n outer lop\n");
+  mould_files_write(&mould_files, "word.stl", "solid a\n facet normal 0 0 1\n outer lop\n");
   expect_fault("word.stl", "word.stl:3: 'lop' where 'loop' is expected");
-  mould_files_write(&files, "number.stl", "solid a\n facet normal 0 0 1\n outer loop\n  vertex 0 1e 0\n");
+  mould_files_write(&mould_files, "number.stl", "solid a\n facet normal 0 0 1\n outer loop\n  vertex 0 1e 0\n");
   expect_fault("number.stl", "number.stl:4: '1e' where a number is expected");
-  mould_files_write(&files, "cut.stl", "solid a\n");
+  mould_files_write(&mould_files, "cut.stl", "solid a\n");
   expect_fault("cut.stl", "the file ends inside a solid");
-  mould_files_write(&files, "empty.stl", "");
+  mould_files_write(&mould_files, "empty.stl", "");
   expect_fault("empty.stl", "has no triangles");
 }
 
@@ -178,7 +155,7 @@ static void open_turned_and_broken_files_are_refused_with_the_place(void **state
 static void write_tetrahedra(const char *name, bool inwards, double shift)
 {
   static const int sides[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  StlWriter writer = {.file = fopen(path_of(name), "w")};
+  StlWriter writer = {.file = fopen(mould_files_path(name), "w")};
   assert_non_null(writer.file);
   for (int body = 0; body < 2; body++) {
     const double s = body * shift;
@@ -231,7 +208,7 @@ static ReduceConfig *read_config(const char *yaml)
 {
   CastError err;
   ReduceConfig *config = NULL;
-  if (reduce_config_read(path_of("mould.yaml"), yaml, &config, &err) != CAST_OK) fail_msg("%s", err.message);
+  if (reduce_config_read(mould_files_path("mould.yaml"), yaml, &config, &err) != CAST_OK) fail_msg("%s", err.message);
   return config;
 }
 
@@ -345,6 +322,6 @@ int main(int argc, char **argv)
       cmocka_unit_test(surfaces_bear_the_names_of_the_solids),
   };
   if (PetscInitialize(&argc, &argv, NULL, NULL)) return 1;
-  const int failed = cmocka_run_group_tests(tests, make_files, remove_files);
+  const int failed = cmocka_run_group_tests(tests, mould_files_set_up, mould_files_clean_up);
   return PetscFinalize() ? 1 : failed;
 }

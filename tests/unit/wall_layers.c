@@ -8,25 +8,9 @@
 
 #include "reduce/mesh/mould_geometry.h"
 #include "reduce/mesh/resolution.h"
-#include "reduce/mesh/vector.h"
+#include "common/vector.h"
 #include "reduce/mesh/wall_layers.h"
 #include "tests/support/mould_files.h"
-
-static MouldFiles files;
-
-static int make_files(void **state)
-{
-  (void)state;
-  mould_files_create(&files);
-  return 0;
-}
-
-static int remove_files(void **state)
-{
-  (void)state;
-  mould_files_remove(&files);
-  return 0;
-}
 
 /* A mould of one or two regions whose outside is "outer" and whose cavity is "wall". */
 static ReduceConfig *config_of(const char *geo, const char *mesh_size, const char *layers, bool two_regions)
@@ -34,7 +18,7 @@ static ReduceConfig *config_of(const char *geo, const char *mesh_size, const cha
   char yaml[2048], path[128];
   CastError err;
   ReduceConfig *config = NULL;
-  mould_files_write(&files, "shape.geo", geo);
+  mould_files_write(&mould_files, "shape.geo", geo);
   snprintf(yaml, sizeof yaml,
            "geometry: { file: shape.geo, unit: mm }\n"
            "regions:\n"
@@ -49,7 +33,7 @@ static ReduceConfig *config_of(const char *geo, const char *mesh_size, const cha
                          "conductivity: 27 W/m/K } }\n"
                        : "",
            layers, mesh_size);
-  snprintf(path, sizeof path, "%s/shape.yaml", files.folder);
+  snprintf(path, sizeof path, "%s/shape.yaml", mould_files.folder);
   if (reduce_config_read(path, yaml, &config, &err) != CAST_OK) fail_msg("%s", err.message);
   return config;
 }
@@ -81,10 +65,10 @@ static Sums sums_of(const TetMesh *mesh)
   for (size_t t = 0; t < mesh->n_triangles; t++) {
     double normal[3];
     tet_mesh_triangle_normal(mesh, mesh->triangle + 3 * t, normal);
-    sums.area[mesh->triangle_surface[t]] += 0.5 * vector_norm(normal);
+    sums.area[mesh->triangle_surface[t]] += 0.5 * vec_norm(normal);
     for (int k = 0; mesh->triangle_surface[t] == 0 && k < 3; k++)
       for (int d = 0; d < 3; d++)
-        sums.wall_moment[d] += vector_norm(normal) / 6.0 * mesh->x[3 * mesh->triangle[3 * t + (size_t)k] + d];
+        sums.wall_moment[d] += vec_norm(normal) / 6.0 * mesh->x[3 * mesh->triangle[3 * t + (size_t)k] + d];
   }
   return sums;
 }
@@ -136,8 +120,8 @@ static double grow_and_check(TetMesh *mesh, const ReduceConfig *config, double f
     if (mesh->triangle_surface[t] != 0) continue;
     double normal[3];
     tet_mesh_triangle_normal(mesh, mesh->triangle + 3 * t, normal);
-    const double height = 6.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * mesh->triangle_tet[t]) / vector_norm(normal);
-    if (height <= 1.1 * first) thin += 0.5 * vector_norm(normal);
+    const double height = 6.0 * tet_mesh_tet_volume(mesh, mesh->tet + 4 * mesh->triangle_tet[t]) / vec_norm(normal);
+    if (height <= 1.1 * first) thin += 0.5 * vec_norm(normal);
   }
   assert_int_equal(tet_mesh_measure(mesh, config, &measures, &err), CAST_OK);
   print_message("%zu points became %zu, %zu tetrahedra %zu; worst quality outside the layers %.3f; first layer thin "
@@ -237,8 +221,7 @@ static void layers_grow_round_a_sphere_with_the_growth_asked_for(void **state)
   assert_int_equal(mesh->n_layer_tets, 3 * 5 * n_wall);
   for (size_t i = n_points; i < mesh->n_points; i++) {
     const double from[3] = {mesh->x[3 * i] - 0.010, mesh->x[3 * i + 1] - 0.008, mesh->x[3 * i + 2] - 0.006};
-    const double height = vector_norm(from) - 0.003,
-                 asked = 8e-6 * (pow(1.5, (double)((i - n_points) % 5) + 1) - 1) / 0.5;
+    const double height = vec_norm(from) - 0.003, asked = 8e-6 * (pow(1.5, (double)((i - n_points) % 5) + 1) - 1) / 0.5;
     on_level += fabs(height / asked - 1.0) < 0.02; // facets lean against the sphere by h/2R = 0.1: cosine 0.995
   }
   assert_int_equal(on_level, mesh->n_points - n_points);
@@ -297,5 +280,5 @@ int main(void)
       cmocka_unit_test(a_mesh_that_is_fine_enough_stays_as_it_is),
       cmocka_unit_test(automatic_layers_follow_the_thermal_depth_or_the_contact),
   };
-  return cmocka_run_group_tests(tests, make_files, remove_files);
+  return cmocka_run_group_tests(tests, mould_files_set_up, mould_files_clean_up);
 }

@@ -10,31 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
 
 #include "tests/support/mould_files.h"
+#include "tests/support/program.h"
 #include "tests/support/validation.h"
 
 static const char *castreduce, *castrun, *mpiexec;
 static MouldFiles files;
-static char said[65536];
-
-static int run(const char *format, ...)
-{
-  char command[2000];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(command, sizeof command, format, arguments);
-  va_end(arguments);
-  FILE *pipe = popen(command, "r");
-  assert_non_null(pipe);
-  said[fread(said, 1, sizeof said - 1, pipe)] = '\0';
-  const int status = pclose(pipe);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 static void must_run(const char *what)
 {

@@ -10,31 +10,14 @@
 #include <string.h>
 
 #include "cast/sim.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/validation.h"
 
-static CastCase casting;
-
 static int set_up(void **state)
 {
-  (void)state;
-  CastError err = {0};
   validation_begin("R6-threads");
-  if (cast_case_create(&casting, &err) == CAST_OK) return 0;
-  fprintf(stderr, "%s\n", err.message);
-  return 1;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
-}
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
+  return cast_case_set_up(state);
 }
 
 typedef struct Run {
@@ -137,5 +120,5 @@ int main(void)
       cmocka_unit_test(a_run_with_surface_coupling_has_the_same_bits_on_any_number_of_threads),
       cmocka_unit_test(a_run_with_embedded_coupling_has_the_same_bits_on_any_number_of_threads),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, set_up, cast_case_clean_up);
 }

@@ -1,6 +1,6 @@
 /* vector.h - three-vectors of doubles; out may be one of the operands. */
-#ifndef CAST_GEOMETRY_VECTOR_H
-#define CAST_GEOMETRY_VECTOR_H
+#ifndef COMMON_VECTOR_H
+#define COMMON_VECTOR_H
 
 #include <math.h>
 
@@ -12,6 +12,12 @@ static inline double vec_dot(const double a[3], const double b[3])
 static inline void vec_sub(const double a[3], const double b[3], double out[3])
 {
   for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
+}
+
+/* out = to - from */
+static inline void vec_between(const double from[3], const double to[3], double out[3])
+{
+  vec_sub(to, from, out);
 }
 
 /* out = a + s b */
@@ -50,6 +56,11 @@ static inline double vec_distance2(const double a[3], const double b[3])
   double d[3];
   vec_sub(a, b, d);
   return vec_dot(d, d);
+}
+
+static inline double vec_distance(const double a[3], const double b[3])
+{
+  return sqrt(vec_distance2(a, b));
 }
 
 #endif
