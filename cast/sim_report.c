@@ -15,8 +15,7 @@ static void report_mould(const Sim *sim)
   if (!rom->certificate.met)
     log_warn(sim->log, "the reduced model does not certify its tolerance of %g: see castrun info", rom->tolerance);
   if (sim_end(sim) > rom->t_end)
-    log_warn(sim->log, "the run ends at %g s; the reduced model speaks of times up to %g s", sim_end(sim),
-             rom->t_end);
+    log_warn(sim->log, "the run ends at %g s; the reduced model speaks of times up to %g s", sim_end(sim), rom->t_end);
 }
 
 static void report_melt(const Sim *sim)
@@ -38,9 +37,10 @@ static void report_melt(const Sim *sim)
 /* Outer walls that are not as the ROM has them. */
 static void report_walls(const Sim *sim)
 {
-  for (size_t i = 0; i < sim->config->n_walls; i++) {
+  for (size_t i = 0, k = 0; i < sim->config->n_walls; i++) {
     const OuterWall *wall = &sim->config->wall[i];
-    const RomPatch *patch = &sim->rom->patch[outer_walls_patch(sim->walls, i)];
+    while (strcmp(sim->rom->patch[outer_walls_patch(sim->walls, k)].surface, wall->surface) != 0) k++;
+    const RomPatch *patch = &sim->rom->patch[outer_walls_patch(sim->walls, k)]; // all of a surface have one coefficient
     log_info(sim->log,
              "wall      %-12s h = %.4g W/(m2 K) (%.4g in the ROM), surroundings at %.1f degC, emissivity %.2g",
              wall->surface, isnan(wall->h) ? patch->h : wall->h, patch->h,

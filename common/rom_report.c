@@ -88,8 +88,7 @@ static void report_head(FILE *out, const RomData *rom, const char *path)
   if (rom->title && rom->title[0]) fprintf(out, ": %s", rom->title);
   const size_t cavity = count_cavity_patches(rom);
   fprintf(out, "\n  states     %zu, reduced from %zu unknowns\n", rom->r, rom->n_full);
-  fprintf(out, "  patches    %zu on the cavity wall, %zu outer surface%s\n", cavity, rom->m - cavity,
-          rom->m - cavity == 1 ? "" : "s");
+  fprintf(out, "  patches    %zu on the cavity wall, %zu on outer surfaces\n", cavity, rom->m - cavity);
   fprintf(out, "  error      %s\n", verdict);
   if (provenance->program && provenance->program[0])
     fprintf(out, "  made       by %s %s%s%s%s%s\n", provenance->program, provenance->version,

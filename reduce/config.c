@@ -68,6 +68,10 @@ static void read_sizes(YamlNode mesh, ReduceConfig *config)
     if (config->cavity[i].mesh_size > config->outside_size)
       yaml_problem(yaml_get(mesh, "outside_size"), "%g m is finer than %g m on the cavity surface '%s'",
                    config->outside_size, config->cavity[i].mesh_size, config->cavity[i].name);
+  for (size_t i = 0; i < config->n_boundaries; i++)
+    if (config->boundary[i].patch_size > 0 && config->boundary[i].patch_size < config->outside_size)
+      yaml_problem(yaml_get(mesh, "outside_size"), "%g m is coarser than the patches of %g m on the outer surface '%s'",
+                   config->outside_size, config->boundary[i].patch_size, config->boundary[i].name);
 }
 
 /* Of a ready mesh only the order of the elements is open. */
@@ -91,6 +95,8 @@ static void read_mesh(YamlNode root, ReduceConfig *config)
     read_sizes(mesh, config);
 }
 
+static const double BASIS_BUDGET = 1e9; // bytes
+
 static bool ends_with(const char *text, const char *end)
 {
   const size_t n = strlen(text), k = strlen(end);
@@ -105,6 +111,9 @@ static CastStatus read_output(YamlNode output, ReduceConfig *config, CastError *
   if (config->matrices && yaml_exists(band)) yaml_problem(band, "matrices have no cavity wall: leave this out");
   config->band = yaml_quantity(band, "m", YAML_POSITIVE, NAN);
   if (config->matrices) config->band = 0.0;
+  const YamlNode budget = yaml_get(output, "basis_budget");
+  if (config->matrices && yaml_exists(budget)) yaml_problem(budget, "matrices have no cavity wall: leave this out");
+  config->basis_budget = yaml_quantity(budget, "byte", YAML_POSITIVE, BASIS_BUDGET);
   if (!name) return CAST_OK;
   if (!ends_with(name, ".rom.h5")) yaml_problem(file, "'%s': a name that ends in '.rom.h5' is expected", name);
   config->rom_path = yaml_path_beside(config->input_path, name);

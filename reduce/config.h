@@ -22,7 +22,8 @@ typedef struct RegionConfig { // a named volume and what it is made of
 typedef struct BoundaryConfig { // a named outer surface
   char name[NAME_LENGTH];
   BoundaryKind kind;
-  double h; // W/(m2 K)
+  double h;          // W/(m2 K)
+  double patch_size; // m, edge of the square of a patch's target area; 0: one patch for the whole surface
 } BoundaryConfig;
 
 typedef enum LayersKind { LAYERS_NONE, LAYERS_AUTO, LAYERS_GIVEN } LayersKind;
@@ -108,6 +109,8 @@ typedef struct ReduceConfig {
   double outside_size; // m, mesh size far from the cavity
   double growth;       // size gained per length away from the cavity wall: size = cavity size + growth * distance
   double band;         // m, thickness of the near-wall band kept in the ROM
+  double basis_budget; // bytes that the basis on the near-wall points may take: a thinner band is kept where it would
+                       // take more
   int order;           // of the elements: 1 or 2
   ReductionConfig reduction;
   char *rom_path; // resolved against the input file's folder

@@ -67,10 +67,12 @@ static void print_surfaces(const ReduceConfig *config, FILE *out)
   for (size_t i = 0; i < config->n_boundaries; i++) {
     const BoundaryConfig *boundary = &config->boundary[i];
     if (boundary->kind == BOUNDARY_ROBIN)
-      fprintf(out, "boundaries              %s: robin, h = %g W/(m2 K)\n", boundary->name, boundary->h);
+      fprintf(out, "boundaries              %s: robin, h = %g W/(m2 K)", boundary->name, boundary->h);
     else
-      fprintf(out, "boundaries              %s: %s\n", boundary->name,
+      fprintf(out, "boundaries              %s: %s", boundary->name,
               boundary->kind == BOUNDARY_FIXED ? "fixed at the ambient temperature" : "insulated");
+    if (boundary->patch_size > 0) fprintf(out, ", patches of %g m x %g m", boundary->patch_size, boundary->patch_size);
+    fprintf(out, "\n");
   }
   for (size_t i = 0; i < config->n_cavity; i++) {
     const CavitySurfaceConfig *surface = &config->cavity[i];
@@ -130,4 +132,5 @@ void reduce_config_print(const ReduceConfig *config, FILE *out)
   print_reduction(&config->reduction, out);
   fprintf(out, "output.file             %s\n", config->rom_path);
   if (!config->matrices) fprintf(out, "output.band             %g m\n", config->band);
+  if (!config->matrices) fprintf(out, "output.basis_budget     %g bytes\n", config->basis_budget);
 }

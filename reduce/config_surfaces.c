@@ -9,12 +9,16 @@ enum { MOST_LAYERS = 60 };
 static void read_boundary(YamlNode node, BoundaryConfig *boundary)
 {
   static const char *const kinds[] = {"robin", "insulated", "fixed", NULL};
-  const YamlNode type = yaml_require(node, "type");
+  const YamlNode type = yaml_require(node, "type"), patch_size = yaml_get(node, "patch_size");
+  boundary->patch_size = yaml_quantity(patch_size, "m", YAML_POSITIVE, 0.0);
   boundary->kind = (BoundaryKind)yaml_choice(type, kinds, BOUNDARY_INSULATED);
   if (boundary->kind == BOUNDARY_ROBIN) {
     boundary->h = yaml_quantity(yaml_require(node, "h"), "W/m^2/K", YAML_POSITIVE, NAN);
     return;
   }
+  if (boundary->kind == BOUNDARY_FIXED && yaml_exists(patch_size))
+    yaml_problem(patch_size,
+                 "a wall of fixed temperature cannot be changed in the run: patches of its own are of no use");
   const YamlNode h = yaml_get(node, "h");
   if (yaml_exists(h) && yaml_is_scalar(type))
     yaml_problem(h, "only a wall of type robin has a heat transfer coefficient, this one is %s", kinds[boundary->kind]);
@@ -71,7 +75,8 @@ static void read_cavity_surface(YamlNode node, bool ready_mesh, CavitySurfaceCon
     yaml_problem(node, "either patch_size, for example '2 mm', or 'one_patch: true' is expected");
   // of itself a patch gets some 40 triangles
   const YamlNode mesh_size = one_patch && !ready_mesh ? yaml_require(node, "mesh_size") : yaml_get(node, "mesh_size");
-  surface->mesh_size = yaml_quantity(mesh_size, "m", YAML_POSITIVE, ready_mesh ? (double)NAN : 0.25 * surface->patch_size);
+  surface->mesh_size =
+      yaml_quantity(mesh_size, "m", YAML_POSITIVE, ready_mesh ? (double)NAN : 0.25 * surface->patch_size);
   if (ready_mesh && yaml_exists(mesh_size))
     yaml_problem(mesh_size, "the geometry is a ready mesh: nothing is meshed, leave this out");
   if (surface->patch_size > 0 && surface->patch_size < surface->mesh_size)

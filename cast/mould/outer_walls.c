@@ -34,7 +34,8 @@ static CastStatus no_such_surface(const RomData *rom, const char *where, const O
 {
   char names[1024] = "";
   for (size_t l = 0; l < rom->m; l++)
-    if (rom->patch[l].outer && strlen(names) + ROM_NAME_LENGTH + 3 < sizeof names) {
+    if (rom->patch[l].outer && (l == 0 || strcmp(rom->patch[l].surface, rom->patch[l - 1].surface) != 0) &&
+        strlen(names) + ROM_NAME_LENGTH + 3 < sizeof names) {
       if (names[0]) strcat(names, ", ");
       strcat(names, rom->patch[l].surface);
     }
@@ -42,40 +43,56 @@ static CastStatus no_such_surface(const RomData *rom, const char *where, const O
                         given->surface, names[0] ? names : "none at all");
 }
 
-static CastStatus fill_wall(const OuterWalls *walls, const OuterWall *given, double ambient, Wall *wall, CastError *err)
+static bool is_on(const RomPatch *patch, const OuterWall *given)
+{
+  return patch->outer && strcmp(patch->surface, given->surface) == 0;
+}
+
+static size_t count_patches(const RomData *rom, const OuterWall *given)
+{
+  size_t n = 0;
+  for (size_t l = 0; l < rom->m; l++) n += is_on(&rom->patch[l], given);
+  return n;
+}
+
+/* The walls of all patches of a surface, from wall[*next] on. */
+static CastStatus fill_surface(OuterWalls *walls, const OuterWall *given, double ambient, size_t *next, CastError *err)
 {
   const RomData *rom = walls->rom;
   char where[4200] = "";
   if (walls->input) snprintf(where, sizeof where, "%.4096s:%d: ", walls->input, given->line);
-  size_t l = 0;
-  while (l < rom->m && !(rom->patch[l].outer && strcmp(rom->patch[l].surface, given->surface) == 0)) l++;
-  if (l == rom->m) return no_such_surface(rom, where, given, err);
-  const RomPatch *patch = &rom->patch[l];
-  CAST_CHECK(!patch->fixed, err, CAST_ERR_INPUT,
-             "%swalls.%s: the surface has a fixed temperature in the ROM, as a coefficient of %.3g W/(m2 K): another "
-             "condition would be the difference of two large numbers. Make the ROM with type: robin there",
-             where, given->surface, patch->h);
-  *wall = (Wall){.patch = l,
-                 .area = patch->area,
-                 .h = isnan(given->h) ? patch->h : given->h,
-                 .h_reference = patch->h,
-                 .ambient = isnan(given->ambient) ? ambient : given->ambient,
-                 .reference = ambient,
-                 .emissivity = given->emissivity};
+  if (count_patches(rom, given) == 0) return no_such_surface(rom, where, given, err);
+  for (size_t l = 0; l < rom->m; l++) {
+    const RomPatch *patch = &rom->patch[l];
+    if (!is_on(patch, given)) continue;
+    CAST_CHECK(!patch->fixed, err, CAST_ERR_INPUT,
+               "%swalls.%s: the surface has a fixed temperature in the ROM, as a coefficient of %.3g W/(m2 K): another "
+               "condition would be the difference of two large numbers. Make the ROM with type: robin there",
+               where, given->surface, patch->h);
+    walls->wall[(*next)++] = (Wall){.patch = l,
+                                    .area = patch->area,
+                                    .h = isnan(given->h) ? patch->h : given->h,
+                                    .h_reference = patch->h,
+                                    .ambient = isnan(given->ambient) ? ambient : given->ambient,
+                                    .reference = ambient,
+                                    .emissivity = given->emissivity};
+  }
   return CAST_OK;
 }
 
-static CastStatus fill(OuterWalls *walls, const OuterWall *given, double ambient, CastError *err)
+static CastStatus fill(OuterWalls *walls, size_t n_given, const OuterWall *given, double ambient, CastError *err)
 {
   const RomData *rom = walls->rom;
-  const size_t n = walls->n;
+  size_t n = 0, next = 0;
+  for (size_t i = 0; i < n_given; i++) n += count_patches(rom, &given[i]);
+  walls->n = n;
   walls->wall = calloc(n + 1, sizeof *walls->wall);
   walls->B = malloc((rom->r * n + 1) * sizeof *walls->B);
   walls->G = malloc((n * n + 1) * sizeof *walls->G);
   walls->matrix = malloc((n * (n + 1) + 1) * sizeof *walls->matrix);
   CAST_CHECK(walls->wall && walls->B && walls->G && walls->matrix, err, CAST_ERR_MEMORY,
              "no memory for %zu outer walls", n);
-  for (size_t i = 0; i < n; i++) CAST_CALL(fill_wall(walls, &given[i], ambient, &walls->wall[i], err));
+  for (size_t i = 0; i < n_given; i++) CAST_CALL(fill_surface(walls, &given[i], ambient, &next, err));
   for (size_t k = 0; k < rom->r; k++)
     for (size_t i = 0; i < n; i++) walls->B[k * n + i] = rom->B[k * rom->m + walls->wall[i].patch];
   return CAST_OK;
@@ -87,10 +104,9 @@ CastStatus outer_walls_create(const RomData *rom, size_t n, const OuterWall *wal
   OuterWalls *walls = *out = calloc(1, sizeof *walls);
   CAST_CHECK(walls, err, CAST_ERR_MEMORY, "no memory");
   walls->rom = rom;
-  walls->n = n;
   walls->input = input;
   walls->dt = -1.0;
-  const CastStatus status = fill(walls, wall, ambient, err);
+  const CastStatus status = fill(walls, n, wall, ambient, err);
   if (status != CAST_OK) outer_walls_destroy(out);
   return status;
 }
@@ -140,7 +156,7 @@ static double flow_at(const Wall *wall, double T, double *slope)
          (wall->h * (a - T) + radiation * (a * a * a * a - T3 * T) - wall->h_reference * (wall->reference - T));
 }
 
-/* Gauss with row pivoting on [n x n+1]; a handful of walls. */
+/* Gauss with row pivoting on [n x n+1]; a handful of patches, tens at most. */
 static void eliminate(double *A, size_t n)
 {
   const size_t width = n + 1;

@@ -1,6 +1,6 @@
 /* outer_walls.h - outer surfaces of the mould under other conditions than those the ROM was made with: another
  * heat-transfer coefficient, other surroundings, radiation. The ROM's K keeps its reference; what differs goes in as a
- * heat flow through the surface's own patch, at the patch's mean temperature T:
+ * heat flow through each of the surface's patches, at the patch's mean temperature T:
  *   Q = A [h (T_amb - T) + eps sigma (T_amb^4 - T^4) - h_K (T_ref - T)],  T_ref the run's ambient.
  *                                                                                       (docs/theory, mould online) */
 #ifndef CAST_MOULD_OUTER_WALLS_H
@@ -25,17 +25,18 @@ typedef struct OuterWalls OuterWalls;
 CastStatus outer_walls_create(const RomData *rom, size_t n, const OuterWall *wall, const char *input, double ambient,
                               OuterWalls **walls, CastError *err);
 void outer_walls_destroy(OuterWalls **walls);
+/* Patches of all walls, a surface's one after the other; the ROM's number of the i-th. */
 size_t outer_walls_n(const OuterWalls *walls);
 size_t outer_walls_patch(const OuterWalls *walls, size_t i);
 typedef struct OuterStep { // a step of the mould without these walls' flows
   double dt;               // s
   const double *phi;       // [r] s, what a mode gains by an input of 1
   const double *T;         // [m] K, patches at its start
-  const double *T_free;    // [n] K, the walls' patches at its end
+  const double *T_free;    // [outer_walls_n] K, the walls' patches at its end
 } OuterStep;
 
-/* Flows [n] W into the mould, constant over the step: those of the walls' temperatures at its end, which they
- * themselves lead to, so that no step is too long for them. */
+/* Flows [outer_walls_n] W into the mould, constant over the step: those of the walls' temperatures at its end, which
+ * they themselves lead to, so that no step is too long for them. */
 void outer_walls_flows(OuterWalls *walls, const OuterStep *step, double *flow);
 
 #endif

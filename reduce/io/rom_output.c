@@ -62,6 +62,7 @@ static void describe_geometry(const MouldMesh *mesh, const WallGeometry *geometr
 {
   rom->patch = mesh->patch;
   rom->min_edge = mesh->shortest_edge;
+  rom->band = geometry->band;
   rom->n_points = geometry->n_points;
   rom->points = geometry->points;
   rom->basis = geometry->basis;
@@ -88,11 +89,24 @@ static CastStatus describe_inputs(const ThermalSystem *system, RomData *rom, Cas
 static void describe_task(const ReduceConfig *config, RomData *rom)
 {
   rom->title = config->title;
-  rom->band = config->band;
   rom->tolerance = config->reduction.tolerance;
   rom->t_start = config->reduction.t_start;
   rom->t_end = config->reduction.t_end;
   snprintf(rom->method, sizeof rom->method, "%s", reduce_config_method(config->reduction.method));
+}
+
+static void tell_band(const ReduceConfig *config, const WallGeometry *geometry, Log *log)
+{
+  const double megabytes = 1e-6 * (double)sizeof(float) * (double)geometry->n_points * (double)geometry->r;
+  log_info(log,
+           "near-wall geometry: %zu triangles, %zu tetrahedra within %.3g mm of the cavity, %zu points, basis %.3g MB",
+           geometry->n_triangles, geometry->n_tetrahedra, geometry->band * 1e3, geometry->n_points, megabytes);
+  if (geometry->band < config->band)
+    log_warn(
+        log,
+        "the near-wall band is %.3g mm thick, not %.3g mm: its basis would have taken more than output.basis_budget, "
+        "%.4g MB. Coupling 'embedded' and pictures of the mould reach no deeper",
+        geometry->band * 1e3, config->band * 1e3, 1e-6 * config->basis_budget);
 }
 
 /* `rom` holds what mesh, system and model gave; everything in it is borrowed but materials and provenance. */
@@ -131,7 +145,7 @@ PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mes
   PetscCall(measure_heat_capacity(system, &rom.heat_capacity));
   describe_model(system, model, &rom);
   if (mesh) {
-    PetscCall(wall_geometry_gather(mesh, model->V, config->band, &geometry));
+    PetscCall(wall_geometry_gather(mesh, model->V, config->band, config->basis_budget, &geometry));
     PetscCheck(geometry.r == model->r, comm, PETSC_ERR_ARG_INCOMP,
                "the basis has %" PetscInt_FMT " columns for %" PetscInt_FMT " states", geometry.r, model->r);
     describe_geometry(mesh, &geometry, &rom);
@@ -141,9 +155,7 @@ PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mes
   }
   if (rank == 0 && status == CAST_OK) {
     status = write_file(config, model, run, &rom, &err);
-    if (status == CAST_OK && mesh)
-      log_info(run->log, "near-wall geometry: %zu triangles, %zu tetrahedra within %.3g mm of the cavity, %zu points",
-               geometry.n_triangles, geometry.n_tetrahedra, config->band * 1e3, geometry.n_points);
+    if (status == CAST_OK && mesh) tell_band(config, &geometry, run->log);
   }
   free(inputs);
   PetscCall(wall_geometry_destroy(&geometry));

@@ -5,6 +5,8 @@
 #include "reduce/collective.h"
 #include "reduce/petsc_compat.h"
 
+static const PetscReal THINNER = 0.8, THINNEST = 1e-3; // of the band, a try, and of what was asked at least
+
 typedef struct Points { // in use and owned by this rank
   PetscInt n;
   PetscInt *number; // [n] global
@@ -139,7 +141,43 @@ static PetscErrorCode gather_all(MPI_Comm comm, const WallShare *share, const Po
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, WallGeometry *geometry)
+static PetscErrorCode count_used(Vec used, PetscReal *n)
+{
+  const PetscScalar *mark;
+  PetscInt size;
+
+  PetscFunctionBeginUser;
+  PetscCall(VecGetLocalSize(used, &size));
+  PetscCall(VecGetArrayRead(used, &mark));
+  *n = 0.0;
+  for (PetscInt i = 0; i < size; i++) *n += mark[i] != 0.0;
+  PetscCall(VecRestoreArrayRead(used, &mark));
+  PetscCall(MPIU_Allreduce(MPI_IN_PLACE, n, 1, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)used)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The elements of the band, and `used` that marks their nodes, as thick as the budget allows. */
+static PetscErrorCode choose_band(const MouldMesh *mesh, PetscReal budget, WallGeometry *geometry, WallShare *share,
+                                  Vec used)
+{
+  const PetscReal asked = geometry->band;
+
+  PetscFunctionBeginUser;
+  for (;;) {
+    PetscReal n_points;
+    PetscCall(wall_share_create(mesh, geometry->band, share));
+    PetscCall(mark_used(share, used));
+    PetscCall(count_used(used, &n_points));
+    if (n_points * (PetscReal)geometry->r * (PetscReal)sizeof(float) <= budget || geometry->band < THINNEST * asked)
+      break;
+    geometry->band *= THINNER;
+    PetscCall(wall_share_destroy(share));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, PetscReal budget,
+                                    WallGeometry *geometry)
 {
   WallShare share;
   Points points = {0};
@@ -147,12 +185,11 @@ PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band,
   Vec used;
 
   PetscFunctionBeginUser;
-  *geometry = (WallGeometry){0};
+  *geometry = (WallGeometry){.band = band};
   PetscCall(BVGetActiveColumns(V, &k_first, &k_last));
   geometry->r = k_last;
-  PetscCall(wall_share_create(mesh, band, &share));
   PetscCall(DMGetGlobalVector(mesh->dm, &used));
-  PetscCall(mark_used(&share, used));
+  PetscCall(choose_band(mesh, budget, geometry, &share, used));
   PetscCall(list_points(&share, used, &points));
   PetscCall(DMRestoreGlobalVector(mesh->dm, &used));
   PetscCall(copy_basis(V, geometry->r, &points));

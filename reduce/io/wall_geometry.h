@@ -9,6 +9,7 @@
 
 typedef struct WallGeometry { // arrays on rank 0; elsewhere empty. Owned.
   PetscInt r;
+  PetscReal band; // m, on all ranks
   size_t n_points, n_triangles, n_tetrahedra;
   double *points;          // [n_points*3] m, ascending in x, then y, then z
   float *basis;            // [n_points*r] V on the points
@@ -18,8 +19,10 @@ typedef struct WallGeometry { // arrays on rank 0; elsewhere empty. Owned.
 } WallGeometry;
 
 /* Take every tetrahedron of which any part is within `band` (m) of the cavity wall, and hardly any other. V has the
- * layout of the DM's global vectors. Collective. */
-PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, WallGeometry *geometry);
+ * layout of the DM's global vectors. Where the basis would take more than `budget` bytes the band is made thinner, down
+ * to the elements at the wall, which are always kept: geometry->band is what it came to. Collective. */
+PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, PetscReal budget,
+                                    WallGeometry *geometry);
 PetscErrorCode wall_geometry_destroy(WallGeometry *geometry);
 
 #endif

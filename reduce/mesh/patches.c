@@ -74,13 +74,12 @@ static CastStatus append(Patches *patches, const char *name, const SurfacePart *
   return CAST_OK;
 }
 
-static CastStatus cut_surface(const TetMesh *mesh, const CavitySurfaceConfig *surface, SurfacePart *part,
-                              size_t *n_parts, CastError *err)
+static CastStatus cut_surface(const TetMesh *mesh, double patch_size, SurfacePart *part, size_t *n_parts,
+                              CastError *err)
 {
   SurfaceGraph *graph = NULL;
   CAST_CALL(surface_graph_create(mesh->x, part->n, part->triangle, part->entity, &graph, err));
-  const CastStatus status =
-      partition_surface(graph, surface->patch_size * surface->patch_size, part->part, n_parts, err);
+  const CastStatus status = partition_surface(graph, patch_size * patch_size, part->part, n_parts, err);
   surface_graph_destroy(&graph);
   return status;
 }
@@ -88,12 +87,15 @@ static CastStatus cut_surface(const TetMesh *mesh, const CavitySurfaceConfig *su
 static CastStatus add_surface(const TetMesh *mesh, const ReduceConfig *config, size_t surface, Patches *patches,
                               CastError *err)
 {
+  const bool of_cavity = surface < config->n_cavity;
+  const double patch_size =
+      of_cavity ? config->cavity[surface].patch_size : config->boundary[surface - config->n_cavity].patch_size;
   SurfacePart part = {0};
   size_t n_parts = 1;
   CastStatus status = pick_surface(mesh, surface, &part, err);
   if (status == CAST_OK) {
     memset(part.part, 0, part.n * sizeof *part.part);
-    if (surface < config->n_cavity) status = cut_surface(mesh, &config->cavity[surface], &part, &n_parts, err);
+    if (of_cavity || patch_size > 0) status = cut_surface(mesh, patch_size, &part, &n_parts, err);
   }
   if (status == CAST_OK) status = append(patches, reduce_config_surface_name(config, surface), &part, n_parts, err);
   free_part(&part);
@@ -130,8 +132,10 @@ static double fixed_coefficient(const TetMesh *mesh, const ReduceConfig *config)
 
 static void set_walls(const TetMesh *mesh, const ReduceConfig *config, Patches *patches)
 {
-  for (size_t i = 0; i < config->n_boundaries; i++) {
-    RomPatch *patch = &patches->patch[patches->n_cavity + i];
+  size_t i = 0;
+  for (size_t l = patches->n_cavity; l < patches->n; l++) {
+    RomPatch *patch = &patches->patch[l];
+    while (strcmp(config->boundary[i].name, patch->surface) != 0) i++; // patches stand in the order of the surfaces
     patch->outer = true;
     patch->fixed = config->boundary[i].kind == BOUNDARY_FIXED;
     patch->h = patch->fixed ? fixed_coefficient(mesh, config) : config->boundary[i].h;

@@ -1,4 +1,4 @@
-/* patches.h - the numbered patches of the mould's boundary: the cavity's, then one for each outer surface. */
+/* patches.h - the numbered patches of the mould's boundary: the cavity's, then those of the outer surfaces. */
 #ifndef REDUCE_MESH_PATCHES_H
 #define REDUCE_MESH_PATCHES_H
 
@@ -12,7 +12,7 @@ typedef struct Patches {
   int32_t *of_triangle;    // [mesh->n_triangles] owned
 } Patches;
 
-/* Cut the cavity surfaces of a checked mesh by the config's patch sizes. The same on any number of ranks, as it is done
+/* Cut the surfaces of a checked mesh by the config's patch sizes (outer ones are whole where it gives none). The same on any number of ranks, as it is done
  * before the mesh is distributed. A fixed temperature becomes a Robin wall whose coefficient is far above what
  * conduction through an outer element of size L can match, h L/kappa = 1e5: the wall is off by 1e-5 of the drop over
  * that element. Errors: CAST_ERR_MEMORY. */

@@ -190,7 +190,7 @@ static void report_tells_what_the_file_holds(void **state)
   ok(rom_report(rom, "a.rom.h5", &text, &err), &err);
   const char *parts[] = {"a.rom.h5\n",
                          "states     241, reduced from 241 unknowns",
-                         "6 on the cavity wall, 2 outer surfaces",
+                         "6 on the cavity wall, 2 on outer surfaces",
                          "0.09 % of the largest temperature rise from 1 ms to 100 s, 0.1 % asked for: met",
                          "x 0 to 2 mm, y 0 to 1 mm, z -5 to 0 mm",
                          "volume     0.01 cm3, heat capacity 0.0198 J/K",

@@ -11,6 +11,7 @@
 enum { STATES = 3 };
 static int order = 1; // of the elements; the file holds their values at the vertices
 static const double BAND = 2.2e-3;
+static double budget = 1e9; // bytes
 
 static const BoxMould BOX = {.size = {0.02, 0.012, 0.01},
                              .cells = {8, 6, 8},
@@ -68,7 +69,7 @@ static void gather(MPI_Comm comm, WallGeometry *geometry, MouldMesh **mesh, Redu
   (*config)->order = order;
   TEST_PETSC(thermal_system_create(*mesh, *config, &system)); // gives the DM its numbering
   fill_basis(*mesh, &V);
-  TEST_PETSC(wall_geometry_gather(*mesh, V, BAND, geometry));
+  TEST_PETSC(wall_geometry_gather(*mesh, V, BAND, budget, geometry));
   TEST_PETSC(BVDestroy(&V));
   TEST_PETSC(thermal_system_destroy(&system));
 }
@@ -121,6 +122,31 @@ static void the_boundary_encloses_the_mould(void **state)
   }
   TEST_PETSC(wall_geometry_destroy(&geometry));
   TEST_PETSC(box_mould_destroy(&mesh, &config));
+}
+
+static void a_basis_above_its_budget_keeps_a_thinner_band(void **state)
+{
+  (void)state;
+  WallGeometry whole, thin, least;
+  MouldMesh *mesh;
+  ReduceConfig *config;
+  WallGeometry *const geometry[3] = {&whole, &thin, &least};
+  double bytes = 0.0;
+  for (int i = 0; i < 3; i++) {
+    budget = i == 0 ? 1e9 : i == 1 ? 0.85 * bytes : 1.0;
+    gather(PETSC_COMM_WORLD, geometry[i], &mesh, &config);
+    if (i == 0) bytes = (double)sizeof(float) * (double)whole.r * (double)whole.n_points;
+    MPI_Bcast(&bytes, 1, MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+    TEST_PETSC(box_mould_destroy(&mesh, &config));
+  }
+  budget = 1e9;
+  assert_true(whole.band == BAND && thin.band < BAND && least.band < thin.band);
+  if (get_rank() == 0) {
+    assert_true((double)sizeof(float) * (double)thin.r * (double)thin.n_points <= 0.85 * bytes);
+    assert_true(least.n_tetrahedra > 0 && least.n_tetrahedra < thin.n_tetrahedra); // the wall's own elements stay
+    assert_int_equal(least.n_triangles, whole.n_triangles);
+  }
+  for (int i = 0; i < 3; i++) TEST_PETSC(wall_geometry_destroy(geometry[i]));
 }
 
 /* The cavity wall is z = 0: the band must hold the box's slice 0 < z < BAND, all of it, and little beyond. */
@@ -195,6 +221,7 @@ static void the_geometry_does_not_depend_on_the_number_of_ranks(void **state)
 int main(int argc, char **argv)
 {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_basis_above_its_budget_keeps_a_thinner_band),
       cmocka_unit_test(the_boundary_encloses_the_mould),
       cmocka_unit_test(the_band_reaches_as_far_as_it_says),
       cmocka_unit_test(each_point_has_its_own_row_of_the_basis),

@@ -47,15 +47,17 @@ static int make_roms(void **state)
   (void)state;
   if (!mkdtemp(folder)) return 1;
   shell("cp '%s/mould.geo' %s/", QUICKSTART, folder);
-  /* In K: side 80, rim 80, foot 40 W/(m2 K). The other ROM: 15, 15, insulated. */
+  /* In K: side 80, rim 80, foot 40 W/(m2 K). The other ROM: 15, 15, insulated; side and rim on patches. */
   shell("sed 's/foot: .*/foot: { type: robin, h: 40 W\\/m^2\\/K }/' '%s/mould.yaml' > %s/made.yaml", QUICKSTART,
         folder);
-  shell("sed 's/h: 80 /h: 15 /; s/mould.rom.h5/other.rom.h5/' '%s/mould.yaml' > %s/other.yaml", QUICKSTART, folder);
+  shell("sed '/side:/s/h: 80 W.m^2.K/h: 15 W\\/m^2\\/K, patch_size: 8 mm/; /rim:/s/h: 80 W.m^2.K/h: 15 W\\/m^2\\/K, "
+        "patch_size: 4 mm/; s/mould.rom.h5/other.rom.h5/' '%s/mould.yaml' > %s/other.yaml",
+        QUICKSTART, folder);
   shell("cd %s && '%s' run made.yaml --quiet 2>/dev/null && '%s' run other.yaml --quiet 2>/dev/null", folder,
         castreduce, castreduce);
   made = read_rom("mould.rom.h5");
   other = read_rom("other.rom.h5");
-  assert_int_equal(made->m, other->m);
+  assert_true(other->m > made->m); // in the same cavity patches, which come first
   return 0;
 }
 
@@ -100,7 +102,7 @@ static void finish(Run *run)
 static double compare(size_t n, const OuterWall *wall, double dt, double *residual)
 {
   Run reference = start(made, 0, NULL), run = start(other, n, wall);
-  double *q = calloc(made->m, sizeof *q), given = 0.0, worst = 0.0, change = 0.0;
+  double *q = calloc(other->m, sizeof *q), given = 0.0, worst = 0.0, change = 0.0;
   assert_non_null(q);
   const long steps = lround(END / dt);
   for (long i = 0; i < steps; i++) {
@@ -138,13 +140,14 @@ static void walls_in_the_run_do_what_walls_in_k_do(void **state)
       .ours = validation_text("without them %.3g %% off; books to %.0e", 100.0 * without, residual),
       .error = validation_text("%.3g %% of the largest change", 100.0 * error),
       .target = error < 0.01 ? "1 %" : "1 % (missed)",
-      .resolution = validation_text("steps of 20 ms (of 40 ms: %.3g %%); one patch a surface", 100.0 * coarse),
+      .resolution =
+          validation_text("steps of 20 ms (of 40 ms: %.3g %%); side in patches of 8 mm, rim of 4 mm", 100.0 * coarse),
       .cpu_seconds = validation_cpu_time() - begin});
   assert_true(residual < 1e-11); // rounding of 6000 steps
   assert_true(without > 0.1);    // it matters
-  /* Flows are spread evenly over each surface where K's follow the temperature, which varies over the side by a few per
-   * cent of its distance from the surroundings. */
-  assert_true(error < 0.02 && error < 0.03 * without);
+  /* What is left: flows are spread evenly over each patch where K's follow the temperature. With each
+   * surface in one patch it is 1.06 %. */
+  assert_true(error < 0.01);
 }
 
 int main(int argc, char **argv)
