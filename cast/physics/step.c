@@ -7,6 +7,7 @@
 #include "cast/physics/properties.h"
 #include "cast/physics/solidification.h"
 #include "cast/physics/sph.h"
+#include "cast/physics/wall_guard.h"
 
 enum { ROWS_PER_TASK = 512 };
 
@@ -41,44 +42,6 @@ SIMD_CLONES static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t en
   }
 }
 
-/* ---- nothing enters the mould ---- */
-
-/* A fluid particle deeper in the mould than this, in spacings, is set back. Less is left to the wall's pressure. */
-static const double guard_depth = 0.1;
-
-/* Look where particle i stands once it has moved as far as it was known to be clear; returns whether it was set back.
- */
-static bool guard_particle(const Surface *surface, double depth, Particles *p, ptrdiff_t i)
-{
-  const double reach = surface_reach(surface), x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
-  SurfaceHit hit;
-  if (!surface_nearest(surface, x, reach, &hit)) {
-    p->clearance[i] = reach;
-    return false;
-  }
-  p->clearance[i] = hit.distance;
-  if (hit.distance >= -depth) return false;
-  double into = 0.0;
-  for (int axis = 0; axis < 3; axis++) into += p->v[axis][i] * hit.normal[axis];
-  for (int axis = 0; axis < 3; axis++) {
-    p->x[axis][i] = hit.foot[axis];
-    if (into < 0.0) p->v[axis][i] -= into * hit.normal[axis];
-  }
-  p->clearance[i] = 0.0;
-  return true;
-}
-
-static long guard_rows(const Surface *surface, double depth, Particles *p, ptrdiff_t first, ptrdiff_t end)
-{
-  long guarded = 0;
-  for (ptrdiff_t i = first; i < end; i++) {
-    if (p->clearance[i] > 0.0) continue;
-    if (!isfinite(p->x[0][i] + p->x[1][i] + p->x[2][i])) continue; // reported by the caller
-    guarded += guard_particle(surface, depth, p, i);
-  }
-  return guarded;
-}
-
 static ptrdiff_t first_not_finite(const Particles *p)
 {
   ptrdiff_t bad = p->n_fluid;
@@ -97,12 +60,13 @@ CastStatus sph_drift(const SphParameters *sph, Particles *p, const Surface *surf
   if (guarded) *guarded = 0;
   if (sph->frozen_flow) return CAST_OK;
   const Drift drift = {sph, p, dt};
+  const WallGuard guard = {sph, surface, dt};
   long set_back = 0;
 #pragma omp parallel for reduction(+ : set_back)
   for (ptrdiff_t first = 0; first < p->n_fluid; first += ROWS_PER_TASK) {
     const ptrdiff_t end = first + ROWS_PER_TASK < p->n_fluid ? first + ROWS_PER_TASK : p->n_fluid;
     drift_rows(&drift, first, end);
-    if (surface) set_back += guard_rows(surface, guard_depth * sph->spacing, p, first, end);
+    if (surface) set_back += wall_guard_rows(&guard, p, first, end);
   }
   if (guarded) *guarded = set_back;
   const ptrdiff_t bad = first_not_finite(p);
