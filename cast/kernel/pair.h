@@ -75,6 +75,11 @@ PAIR_INLINE double torn_fraction(double rho, double rho0)
   return missing > 1.0 ? 1.0 : positive(missing);
 }
 
+/* Particles nearer to each other than APART_BELOW spacings are pushed apart, with at most APART_STRENGTH c0^2/rho0 for
+ * P_i + P_j (docs/performance, thin features, tells how they were chosen). Melt at rest stands wider. */
+#define APART_BELOW 0.8
+#define APART_STRENGTH 0.1
+
 /* The density that a particle's volume, kg/m3, and all but its pressure and its continuity go by. */
 PAIR_INLINE double whole_density(double rho, double rho0)
 {

@@ -81,6 +81,16 @@ PAIR_INLINE REAL NAME(pair_artificial)(REAL strength, REAL u_dot_d, REAL per_r2_
   return strength * NAME(positive)(-u_dot_d) * per_r2_plus;
 }
 
+/* What keeps particles apart, added to P_i + P_j like pair_artificial: none beyond q = 1/per_q_apart, `strength` at q =
+ * 0. Pressure knows the density and nothing of its evenness: in melt that is drawn out, particles line up along the
+ * flow and close up across it, at the right density, until they all but coincide. A push at short range alone parts
+ * them (the artificial pressure of Monaghan 2000, J. Comput. Phys. 159, whatever the sign of the pressure), conserves
+ * momentum and derives from a potential. */
+PAIR_INLINE REAL NAME(pair_apart)(REAL strength, REAL q, REAL per_q_apart)
+{
+  return strength * NAME(positive)(1 - q * per_q_apart);
+}
+
 /* Viscosity: m_i dv_i/dt = -u pair_viscosity; 4 mu mu/(mu + mu) keeps the stress continuous where mu jumps   (eq. 15)
  */
 PAIR_INLINE REAL NAME(pair_viscosity)(REAL volumes, REAL mu_i, REAL mu_j, REAL per_mu_sum, REAL F)

@@ -52,7 +52,8 @@ void sph_initialise(const SphParameters *sph, Particles *particles);
 double sph_sound_step(const SphParameters *sph, double speed); // s, the limit that sound sets while melt moves so fast
 SphLimits sph_time_step(const SphParameters *sph, const Particles *particles);
 /* Advance positions; a fluid particle close to the wall loses speed into it, and one that would enter the mould by more
- * than a tenth of the spacing is set back (wall_guard.h). guarded: how many were. Errors: CAST_ERR_NUMERIC, naming the particle, place. */
+ * than a tenth of the spacing is set back (wall_guard.h). guarded: how many were. Errors: CAST_ERR_NUMERIC, naming the
+ * particle, place. */
 CastStatus sph_drift(const SphParameters *sph, Particles *particles, const Surface *surface, double dt, long *guarded,
                      CastError *err);
 /* sph_forces and sph_conduction in one pass over the pairs: what a run calls. Sets drho, p, a, heat of the fluid (heat:

@@ -27,6 +27,8 @@ Sweep sweep_begin(const SphParameters *sph, Particles *particles, const Neighbou
                        .diffusion = 2.0 * sph->delta * h * sph->c0,
                        .artificial = sph->alpha * sph->c0 * h / sph->rho0,
                        .soften = 0.01 * h * h,
+                       .apart = APART_STRENGTH * sph->c0 * sph->c0 / sph->rho0,
+                       .per_q_apart = h / (APART_BELOW * sph->spacing),
                        .T0 = particles->n_fluid > 0 ? particles->T[0] : 0.0}};
   const double h2 = h * h, h6 = h2 * h2 * h2;
   s.scale.si.heat = s.scale.slope * h6;
@@ -112,6 +114,7 @@ PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, float rho_i, con
   const SweepScales *c = &s->scale;
   const float diffusion = (float)(c->diffusion * c->per_h), artificial_strength = (float)(c->artificial * c->per_h);
   const float soften = (float)(c->soften * c->per_h * c->per_h);
+  const float apart = (float)c->apart, per_q_apart = (float)c->per_q_apart;
   double drho = 0.0, fx = 0.0, fy = 0.0, fz = 0.0, heat = 0.0;
 #pragma omp simd reduction(+ : drho, fx, fy, fz, heat)
   for (ptrdiff_t k = 0; k < n; k++) {
@@ -119,13 +122,14 @@ PAIR_INLINE void fluid_pairs(const Sweep *s, KernelKind kernel, float rho_i, con
     const float ux = me[REC_VX].value - b->value[REC_VX][k], uy = me[REC_VY].value - b->value[REC_VY][k],
                 uz = me[REC_VZ].value - b->value[REC_VZ][k];
     const float r2 = dx * dx + dy * dy + dz * dz, u_dot_d = ux * dx + uy * dy + uz * dz;
-    const float F = shape_slope_f(kernel, sqrtf(r2));
+    const float q = sqrtf(r2), F = shape_slope_f(kernel, q);
     const float mu_j = b->value[REC_MU][k], kappa_j = b->value[REC_KAPPA][k];
     // dividers work beside all else: three divisions cost less than one and the products that share it
     const float per_mu_sum = 1.0F / (me[REC_MU].value + mu_j), per_kappa_sum = 1.0F / (me[REC_KAPPA].value + kappa_j);
     const float volumes = me[REC_VOLUME].value * b->value[REC_VOLUME][k];
     const float artificial = pair_artificial_f(artificial_strength, u_dot_d, 1.0F / (r2 + soften));
-    const float push = pair_pressure_f(1.0F, me[REC_P].value, b->value[REC_P][k], artificial, F);
+    const float extra = artificial + pair_apart_f(apart, q, per_q_apart);
+    const float push = pair_pressure_f(1.0F, me[REC_P].value, b->value[REC_P][k], extra, F);
     const float drag = pair_viscosity_f(volumes, me[REC_MU].value, mu_j, per_mu_sum, F);
     drho += (double)(pair_continuity_f(rho_i, volumes, u_dot_d, F) +
                      pair_diffusion_f(volumes, diffusion, me[REC_ETA].value, b->value[REC_ETA][k], F));

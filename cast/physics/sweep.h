@@ -35,6 +35,8 @@ typedef struct SweepScales {
   double diffusion;    // 2 delta h c0, m2/s
   double artificial;   // alpha c0 h/rho0
   double soften;       // 0.01 h^2, m2: keeps the artificial viscosity finite
+  double apart;        // strength of pair_apart, as p/rho^2
+  double per_q_apart;  // 1/h, it begins at q = 1/per_q_apart
   double body[3];      // m/s2, gravity + extra
   double held[3];      // m/s2, the part of it that pressure can balance: none along an axis that repeats
   double period[3], per_period[3];

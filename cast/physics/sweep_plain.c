@@ -58,7 +58,8 @@ static void add_fluid(const Sweep *s, SweepTasks tasks, ptrdiff_t i, ptrdiff_t j
   if (!tasks.flow) return;
   const double P_i = p->p[i] / (whole(s, i) * whole(s, i)), P_j = p->p[j] / (whole(s, j) * whole(s, j));
   const double artificial = pair_artificial(c->artificial, pair.u_dot_d, 1.0 / (pair.r2 + c->soften));
-  const double push = pair_pressure(masses, P_i, P_j, artificial, pair.F);
+  const double apart = pair_apart(c->apart, sqrt(pair.r2) * c->per_h, c->per_q_apart);
+  const double push = pair_pressure(masses, P_i, P_j, artificial + apart, pair.F);
   const double drag = pair_viscosity(volumes, p->mu[i], p->mu[j], per_sum(p->mu[i], p->mu[j]), pair.F);
   sum->drho += (pair_continuity(p->rho[i], volumes, pair.u_dot_d, pair.F) +
                 pair_diffusion(volumes, c->diffusion, eta(s, i), eta(s, j), pair.F)) /

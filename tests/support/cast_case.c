@@ -8,14 +8,23 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/support/synthetic_rom.h"
-
 CastCase casting;
 
-CastStatus cast_case_create(CastCase *made, CastError *err)
+CastStatus cast_case_create_box(CastCase *made, const SyntheticBox *box, CastError *err)
 {
   snprintf(made->folder, sizeof made->folder, "/tmp/cast_case_XXXXXX");
   CAST_CHECK(mkdtemp(made->folder), err, CAST_ERR_IO, "no folder under /tmp: %s", strerror(errno));
+  RomData *rom = NULL;
+  char path[128];
+  snprintf(path, sizeof path, "%s/mould.rom.h5", made->folder);
+  CAST_CALL(synthetic_rom_box_cavity(box, &rom, err));
+  const CastStatus status = rom_write(rom, path, err);
+  rom_destroy(&rom);
+  return status;
+}
+
+CastStatus cast_case_create(CastCase *made, CastError *err)
+{
   const SyntheticBox box = {.outer = {9e-3, 9e-3, 9e-3},
                             .cavity = {4e-3, 4e-3, 4e-3},
                             .pin_width = 1.6e-3,
@@ -27,13 +36,7 @@ CastStatus cast_case_create(CastCase *made, CastError *err)
                             .c = 1100.0,
                             .h_outside = 80.0,
                             .band = 1.5e-3};
-  RomData *rom = NULL;
-  char path[128];
-  snprintf(path, sizeof path, "%s/mould.rom.h5", made->folder);
-  CAST_CALL(synthetic_rom_box_cavity(&box, &rom, err));
-  const CastStatus status = rom_write(rom, path, err);
-  rom_destroy(&rom);
-  return status;
+  return cast_case_create_box(made, &box, err);
 }
 
 static const char *or_default(const char *given, const char *standard)

@@ -4,6 +4,7 @@
 #define TESTS_SUPPORT_CAST_CASE_H
 
 #include "common/error.h"
+#include "tests/support/synthetic_rom.h"
 
 typedef struct CastCase {
   char folder[64]; // holds mould.rom.h5 and the inputs; results go to folders in it
@@ -21,6 +22,7 @@ typedef struct CastCaseInput { // NULL: the default
 
 /* Make the folder and the ROM. Errors: as rom_write; CAST_ERR_IO. */
 CastStatus cast_case_create(CastCase *made, CastError *err);
+CastStatus cast_case_create_box(CastCase *made, const SyntheticBox *box, CastError *err); // another mould
 /* Write NAME.yaml, whose output folder is NAME; its path goes to `path`. */
 CastStatus cast_case_input(const CastCase *made, const char *name, const CastCaseInput *input, char path[128],
                            CastError *err);
