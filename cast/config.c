@@ -73,12 +73,6 @@ static CastStatus read_melt(YamlNode node, CastConfig *config, CastError *err)
 
 /* ---- the rest ---- */
 
-static void read_forces(YamlNode node, CastConfig *config)
-{
-  read_vector(yaml_require(node, "gravity"), "m/s^2", config->gravity);
-  read_vector(yaml_get(node, "acceleration"), "m/s^2", config->acceleration);
-}
-
 static void read_coupling(YamlNode node, CastConfig *config)
 {
   static const char *const KINDS[] = {"surface", "embedded", NULL};
@@ -218,8 +212,10 @@ static CastStatus read_output(YamlNode node, CastConfig *config, CastError *err)
 
 static void check_sound_speed(YamlNode root, const CastConfig *config)
 {
-  double drive = 0.0;
-  for (int d = 0; d < 3; d++) drive += fabs(config->gravity[d] + config->acceleration[d]);
+  const Drive *forces = &config->drive;
+  double drive = forces->speed.n ? 1.0 : 0.0;
+  for (int d = 0; d < 3; d++)
+    for (size_t i = 0; i < forces->n; i++) drive += fabs(forces->gravity[i][d] + forces->acceleration[d]);
   for (size_t i = 0; i < config->n_blocks; i++)
     for (int d = 0; d < 3; d++) drive += fabs(config->block[i].velocity[d]);
   const YamlNode sph = yaml_get(root, "sph");
@@ -242,7 +238,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   config->preheat = yaml_quantity(yaml_require(root, "preheat"), "K", YAML_POSITIVE, NAN);
   config->ambient = yaml_quantity(yaml_require(root, "ambient"), "K", YAML_POSITIVE, NAN);
   CAST_CALL(read_melt(yaml_require(root, "melt"), config, err));
-  read_forces(yaml_require(root, "forces"), config);
+  CAST_CALL(config_read_forces(yaml_require(root, "forces"), config, err));
   CAST_CALL(config_read_contact(yaml_require(root, "contact"), config, err));
   read_coupling(yaml_get(root, "coupling"), config);
   CAST_CALL(config_read_walls(yaml_get(root, "walls"), config, err));
@@ -273,6 +269,7 @@ void cast_config_destroy(CastConfig **config)
   CastConfig *old = *config;
   material_destroy(&old->melt);
   contact_laws_destroy(&old->contact);
+  drive_destroy(&old->drive);
   char *texts[] = {old->title,         old->rom_path,   old->melt_reference,
                    old->output.folder, old->input_path, old->input_text};
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);

@@ -3,6 +3,7 @@
 #define CAST_CONFIG_H
 
 #include "cast/mould/coupling.h"
+#include "cast/physics/drive.h"
 
 typedef struct BlockConfig { // a box of melt at the start
   double corner[3], size[3]; // m
@@ -48,7 +49,7 @@ typedef struct CastConfig {
   BlockConfig *block;
   bool has_level;                     // melt fills the cavity below this height at the start
   double level;                       // m
-  double gravity[3], acceleration[3]; // m/s2
+  Drive drive;                        // gravity, tilting, spinning
   ContactLaws contact;
   CouplingParameters coupling; // .contact points to the laws above
   double spacing;              // m

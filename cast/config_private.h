@@ -1,5 +1,6 @@
 /* config_private.h - what the files of the configuration share.
  *   config.c  reading   config_contact.c  `contact:`, both ways   config_walls.c  `walls:`, both ways
+ *   config_forces.c  `forces:`, both ways
  *   config_resolved.c  writing */
 #ifndef CAST_CONFIG_PRIVATE_H
 #define CAST_CONFIG_PRIVATE_H
@@ -11,6 +12,13 @@ CastStatus config_read_contact(YamlNode node, CastConfig *config, CastError *err
 void config_put_contact(FILE *out, const CastConfig *config);
 CastStatus config_read_walls(YamlNode node, CastConfig *config, CastError *err); // after the coupling
 void config_put_walls(FILE *out, const CastConfig *config);
+CastStatus config_read_forces(YamlNode node, CastConfig *config, CastError *err);
+void config_put_forces(FILE *out, const CastConfig *config);
+/* A quantity, or pairs of time and quantity; false (with a problem, but for a node that is not there) if neither. */
+bool config_read_timed(YamlNode node, const char *unit, YamlRange range, Table *table);
+void config_put_timed(FILE *out, const Table *table, const char *unit);
+bool config_read_direction(YamlNode node, double unit[3]); // a vector without unit, made to have length 1
+void config_put_vector(FILE *out, const double v[3], const char *unit);
 void config_put_text(FILE *out, const char *text); // quoted where YAML needs it
 
 #endif

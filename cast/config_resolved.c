@@ -39,11 +39,6 @@ static void put_path(FILE *out, const char *path)
   }
 }
 
-static void put_vector(FILE *out, const double v[3], const char *unit)
-{
-  fprintf(out, "[%.17g %s, %.17g %s, %.17g %s]", v[0], unit, v[1], unit, v[2], unit);
-}
-
 /* Spaces that every line of a block map but its first (which stands behind its key) begins with. */
 static size_t common_indent(const char *text)
 {
@@ -92,11 +87,11 @@ static void put_melt(FILE *out, const CastConfig *c)
   for (size_t i = 0; i < c->n_blocks; i++) {
     const BlockConfig *block = &c->block[i];
     fputs("    - corner: ", out);
-    put_vector(out, block->corner, "m");
+    config_put_vector(out, block->corner, "m");
     fputs("\n      size: ", out);
-    put_vector(out, block->size, "m");
+    config_put_vector(out, block->size, "m");
     fprintf(out, "\n      temperature: %.17g K\n      velocity: ", block->temperature);
-    put_vector(out, block->velocity, "m/s");
+    config_put_vector(out, block->velocity, "m/s");
     fputc('\n', out);
   }
 }
@@ -124,7 +119,7 @@ static void put_points(FILE *out, const char *what, const char *where, size_t n,
     fputs("    - name: ", out);
     config_put_text(out, point[i].name);
     fprintf(out, "\n      %s: ", where);
-    put_vector(out, point[i].x, "m");
+    config_put_vector(out, point[i].x, "m");
     fputc('\n', out);
   }
 }
@@ -159,11 +154,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   put_path(out, c->rom_path);
   fprintf(out, "\npreheat: %.17g K\nambient: %.17g K\n", c->preheat, c->ambient);
   put_melt(out, c);
-  fputs("forces:\n  gravity: ", out);
-  put_vector(out, c->gravity, "m/s^2");
-  fputs("\n  acceleration: ", out);
-  put_vector(out, c->acceleration, "m/s^2");
-  fputc('\n', out);
+  config_put_forces(out, c);
   config_put_contact(out, c);
   fprintf(out, "coupling: { kind: %s, mould: %s }\n", c->coupling.kind == COUPLING_SURFACE ? "surface" : "embedded",
           c->coupling.mould_frozen ? "frozen" : "live");

@@ -151,6 +151,7 @@ static CastStatus first_half(Sim *sim, CastError *err)
 static CastStatus second_half(Sim *sim, CastError *err)
 {
   double clock = log_wall_time();
+  sim_set_forces(sim, sim->counts.time + sim->counts.dt);
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
   lap(sim, PHASE_RATES, &clock);
   CAST_CALL(coupling_advance(sim->coupling, sim->mould, &sim->particles, sim->neighbours, sim->counts.dt, err));

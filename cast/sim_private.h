@@ -2,7 +2,7 @@
  *   sim.c         life, the step, the run        sim_setup.c   melt, walls and lattice at the start
  *   sim_report.c  what is about to be computed   sim_output.c  what is written and when
  *   sim_curves.c  the CSV files                  sim_summary.c the account at the end
- *   sim_cool.c    the second stage
+ *   sim_cool.c    the second stage               sim_drive.c   the forces of the moment
  *   sim_resume.c  checkpoints                    sim_escape.c  melt that leaves, melt where none may be */
 #ifndef CAST_SIM_PRIVATE_H
 #define CAST_SIM_PRIVATE_H
@@ -79,7 +79,12 @@ struct Sim {
 /* sim_setup.c */
 CastStatus sim_setup_geometry(Sim *sim, CastError *err);  // rom, surface, lattice, sph
 CastStatus sim_setup_particles(Sim *sim, CastError *err); // melt and walls
-double sim_drop_height(const Sim *sim); // m, from the highest melt to the lowest cavity wall, along the force
+
+/* sim_drive.c */
+void sim_set_forces(Sim *sim, double time); // gravity and spin of sim->sph
+/* m2/s2: the most that gravity and spin may do to a unit of mass on its way from where melt is at the start to the
+ * farthest wall of the cavity, at any time of the filling. */
+double sim_drive_gain(const Sim *sim);
 
 /* sim_escape.c */
 CastStatus sim_remove_escaped(Sim *sim, CastError *err);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "cast/geometry/placement.h"
+#include "cast/kernel/pair.h"
 #include "cast/sim_private.h"
 
 static void report_mould(const Sim *sim)
@@ -71,13 +72,28 @@ static void report_volumes(const Sim *sim)
              1e9 * needed);
 }
 
+static void report_forces(const Sim *sim)
+{
+  const Drive *drive = &sim->config->drive;
+  double most = 0.0;
+  for (size_t i = 0; i < drive->speed.n; i++) most = fmax(most, fabs(drive->speed.y[i]));
+  if (drive->speed.n)
+    log_info(sim->log, "spin      up to %.4g rad/s (%.4g rpm) about (%.3g, %.3g, %.3g), through (%.3g, %.3g, %.3g) mm",
+             most, most * 60.0 / (2.0 * pair_pi), drive->spin_axis[0], drive->spin_axis[1], drive->spin_axis[2],
+             1e3 * drive->spin_point[0], 1e3 * drive->spin_point[1], 1e3 * drive->spin_point[2]);
+  if (drive->tilt.n)
+    log_info(sim->log, "tilt      from %.4g to %.4g deg about (%.3g, %.3g, %.3g)", drive->tilt.y[0] * 180.0 / pair_pi,
+             drive->tilt.y[drive->tilt.n - 1] * 180.0 / pair_pi, drive->tilt_axis[0], drive->tilt_axis[1],
+             drive->tilt_axis[2]);
+}
+
 static void report_steps(const Sim *sim)
 {
   const CastConfig *c = sim->config;
   const SphLimits limit = sph_time_step(&sim->sph, &sim->particles);
   const double dt = c->step > 0.0 ? c->step : limit.step, steps = ceil(c->end / dt);
-  log_info(sim->log, "sound     %.4g m/s%s (drop of %.3g mm)", sim->sph.c0, c->sound_speed > 0.0 ? ", as given" : "",
-           1e3 * sim_drop_height(sim));
+  log_info(sim->log, "sound     %.4g m/s%s (forces may bring the melt to %.3g m/s)", sim->sph.c0,
+           c->sound_speed > 0.0 ? ", as given" : "", sqrt(2.0 * sim_drive_gain(sim)));
   log_info(sim->log, "steps     about %.0f of %.3g us (limit: %s), %.3g particle-steps", steps, 1e6 * dt,
            c->step > 0.0 ? "input" : limit.which, steps * (double)sim->particles.n_fluid);
   if (c->step > limit.step)
@@ -108,6 +124,7 @@ CastStatus sim_report(Sim *sim, CastError *err)
   report_walls(sim);
   report_melt(sim);
   report_volumes(sim);
+  report_forces(sim);
   report_steps(sim);
   report_stages(sim);
   return sim_check_inside(sim, err);

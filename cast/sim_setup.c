@@ -10,11 +10,6 @@
 
 static const double TAIT_GAMMA = 7.0;
 
-static void body_force(const CastConfig *config, double g[3])
-{
-  for (int d = 0; d < 3; d++) g[d] = config->gravity[d] + config->acceleration[d];
-}
-
 /* ---- lattice ---- */
 
 static void triangle_area_vector(const RomData *rom, size_t t, double area[3], double corner[3])
@@ -60,49 +55,26 @@ static void choose_origin(Sim *sim)
 
 /* ---- how fast ---- */
 
-double sim_drop_height(const Sim *sim)
-{
-  const CastConfig *c = sim->config;
-  double g[3], size = 0.0, top = -INFINITY, bottom = INFINITY;
-  body_force(c, g);
-  for (int d = 0; d < 3; d++) size += g[d] * g[d];
-  size = sqrt(size);
-  if (size == 0.0) return 0.0;
-  for (size_t b = 0; b < c->n_blocks; b++)
-    for (int corner = 0; corner < 8; corner++) {
-      double height = 0.0;
-      for (int d = 0; d < 3; d++)
-        height -= g[d] / size * (c->block[b].corner[d] + ((corner >> d) & 1 ? c->block[b].size[d] : 0.0));
-      top = fmax(top, height);
-    }
-  for (size_t t = 0; t < sim->rom->n_triangles; t++) {
-    if (sim->rom->patch[sim->rom->triangle_patch[t]].outer) continue;
-    for (int k = 0; k < 3; k++) {
-      const double *x = &sim->rom->points[3 * sim->rom->triangles[3 * t + (size_t)k]];
-      const double height = -(g[0] * x[0] + g[1] * x[1] + g[2] * x[2]) / size;
-      bottom = fmin(bottom, height);
-      if (c->has_level && x[2] <= c->level) top = fmax(top, height);
-    }
-  }
-  return top > bottom ? top - bottom : 0.0;
-}
-
-/* c0 = 10 max(v_max, sqrt(p_max/rho0)): free fall over the whole drop, from the blocks' own speed, gives v_max; the
- * head of the same height gives sqrt(p_max/rho0) = sqrt(g H), which is less.               (docs/theory, eq. 14) */
+/* c0 = 10 max(v_max, sqrt(p_max/rho0)): all that the forces may do to a unit of mass, from the blocks' own speed,
+ * gives v_max; the pressure of the same head gives sqrt(p_max/rho0), which is less.               (docs/theory, eq. 14)
+ */
 static double choose_sound_speed(const Sim *sim)
 {
   const CastConfig *c = sim->config;
   if (c->sound_speed > 0.0) return c->sound_speed;
-  double g[3], fastest2 = 0.0;
-  body_force(c, g);
+  double fastest2 = 0.0, pull = 0.0;
   for (size_t b = 0; b < c->n_blocks; b++) {
     const double *v = c->block[b].velocity;
     fastest2 = fmax(fastest2, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
-  const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  for (size_t i = 0; i < c->drive.n; i++) {
+    double g2 = 0.0;
+    for (int d = 0; d < 3; d++)
+      g2 += (c->drive.gravity[i][d] + c->drive.acceleration[d]) * (c->drive.gravity[i][d] + c->drive.acceleration[d]);
+    pull = fmax(pull, sqrt(g2));
+  }
   // a drop of at least ten particles: melt at rest still needs a sound speed
-  const double drop = fmax(sim_drop_height(sim), 10.0 * c->spacing);
-  return 10.0 * sqrt(fastest2 + 2.0 * size * drop);
+  return 10.0 * sqrt(fastest2 + 2.0 * fmax(sim_drive_gain(sim), 10.0 * pull * c->spacing));
 }
 
 static void set_sph(Sim *sim)
@@ -118,8 +90,7 @@ static void set_sph(Sim *sim)
                              .alpha = c->artificial_viscosity,
                              .cut_tension = c->cut_tension,
                              .melt = &c->melt};
-  memcpy(sim->sph.gravity, c->gravity, sizeof c->gravity);
-  memcpy(sim->sph.extra, c->acceleration, sizeof c->acceleration);
+  sim_set_forces(sim, 0.0);
   sim->sph.c0 = choose_sound_speed(sim);
 }
 
@@ -201,13 +172,24 @@ static CastStatus check_overlap(const Sim *sim, const PointSet *points, CastErro
 static void set_hydrostatic(const Sim *sim, Particles *p, const Region *region)
 {
   const SphParameters *sph = &sim->sph;
-  double g[3], top = INFINITY;
-  body_force(sim->config, g);
-  for (ptrdiff_t i = region->first; i < region->end; i++)
-    top = fmin(top, g[0] * p->x[0][i] + g[1] * p->x[1][i] + g[2] * p->x[2][i]);
-  const double half = 0.5 * sph->spacing * sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  double top = INFINITY, at[3] = {0.0, 0.0, 0.0}, half2 = 0.0;
   for (ptrdiff_t i = region->first; i < region->end; i++) {
-    const double head = g[0] * p->x[0][i] + g[1] * p->x[1][i] + g[2] * p->x[2][i] - top + half;
+    const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]}, head = drive_potential(sph, x);
+    if (!(head < top)) continue;
+    top = head;
+    memcpy(at, x, sizeof at);
+  }
+  Spin steady = sph->spin; // Euler's acceleration has no potential and holds nothing at rest
+  double pull[3];
+  for (int d = 0; d < 3; d++) {
+    steady.spin_up[d] = 0.0;
+    pull[d] = sph->gravity[d] + sph->extra[d];
+  }
+  spin_add_acceleration(&steady, at, pull);
+  for (int d = 0; d < 3; d++) half2 += pull[d] * pull[d];
+  for (ptrdiff_t i = region->first; i < region->end; i++) {
+    const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    const double head = drive_potential(sph, x) - top + 0.5 * sph->spacing * sqrt(half2);
     p->rho[i] = tait_density(sph->rho0 * head, sph->rho0, sph->c0, sph->gamma);
   }
 }

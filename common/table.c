@@ -62,6 +62,24 @@ double table_slope(const Table *table, double x)
   return (table->y[i + 1] - table->y[i]) / (table->x[i + 1] - table->x[i]);
 }
 
+/* From the first point to x. */
+static double integral_to(const Table *t, double x)
+{
+  double sum = 0.0;
+  if (x <= t->x[0]) return (x - t->x[0]) * t->y[0];
+  for (size_t i = 0; i + 1 < t->n && t->x[i] < x; i++) {
+    const double end = x < t->x[i + 1] ? x : t->x[i + 1];
+    sum += 0.5 * (t->y[i] + table_evaluate(t, end)) * (end - t->x[i]);
+  }
+  const double last = t->x[t->n - 1];
+  return x > last ? sum + (x - last) * t->y[t->n - 1] : sum;
+}
+
+double table_integral(const Table *table, double from, double to)
+{
+  return integral_to(table, to) - integral_to(table, from);
+}
+
 double table_interpolate_open(const double *x, const double *y, size_t n, double at)
 {
   const size_t i = table_segment(x, n, at);

@@ -19,6 +19,7 @@ double table_evaluate(const Table *table, double x); // constant outside; NaN fo
 /* The segment [x[i], x[i+1]] that holds `at`, the last one that begins at or below it, or the first or last; n >= 2. */
 size_t table_segment(const double *x, size_t n, double at);
 double table_slope(const Table *table, double x); // dy/dx of the segment; 0 outside
+double table_integral(const Table *table, double from, double to); // of y dx, exact; negative where to < from
 /* The same on bare arrays of n >= 2 points, continued beyond both ends with the slope of the end segment. */
 double table_interpolate_open(const double *x, const double *y, size_t n, double at);
 

@@ -102,17 +102,18 @@ PAIR_INLINE double tait_density(double p, double rho0, double c0, double gamma)
   return rho0 * pow(s > 1e-6 ? s : 1e-6, 1.0 / gamma);
 }
 
-/* What density diffusion evens out, kg/m3: integral dp/rho of Tait's equation less the potential of the body force g,
- * times rho0/c0^2, so that near rho0 it is rho - rho0 - rho0 g.x/c0^2. In a fluid at rest grad p = rho g makes it
- * uniform, exactly, so hydrostatic pressure is not diffused away: the aim of Fourtakas et al. 2019 (Comput. Fluids
- * 190), who subtract a hydrostatic density difference pair by pair; as a field of each particle it costs nothing in the
- * pair and holds for any gamma. (Antuono et al. 2010 get there by corrected gradients, a second pass over all pairs.)
+/* What density diffusion evens out, kg/m3: integral dp/rho of Tait's equation less the potential of the body forces
+ * ("held": g.x + |w x r|^2/2), times rho0/c0^2, so that near rho0 it is rho - rho0 - rho0 held/c0^2. In a fluid
+ * at rest grad p = rho g makes it uniform, exactly, so hydrostatic pressure is not diffused away: the aim of Fourtakas
+ * et al. 2019 (Comput. Fluids 190), who subtract a hydrostatic density difference pair by pair; as a field of each
+ * particle it costs nothing in the pair and holds for any gamma. (Antuono et al. 2010 get there by corrected gradients,
+ * a second pass over all pairs.)
  */
-PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double gamma, double g_dot_x)
+PAIR_INLINE double diffused_density(double rho, double rho0, double c0, double gamma, double held)
 {
   const double s = rho / rho0, s3 = s * s * s;
   const double power = gamma == 7.0 ? s3 * s3 : pow(s, gamma - 1.0);
-  return rho0 * ((power - 1.0) / (gamma - 1.0) - g_dot_x / (c0 * c0));
+  return rho0 * ((power - 1.0) / (gamma - 1.0) - held / (c0 * c0));
 }
 
 /* A torn particle would have to be squeezed back to rho0 before its pressure keeps it out of a wall. Until then the

@@ -17,12 +17,15 @@ PAIR_INLINE void stop_torn(const Sweep *s, ptrdiff_t i, const Rates *sum)
   for (int d = 0; d < 3; d++) p->a[d][i] += push * away[d];
 }
 
-/* drho and a of particle i; body forces are added. */
+/* drho and a of particle i; body forces are added, but Coriolis', which step.c takes with the velocity. */
 PAIR_INLINE void set_flow(const Sweep *s, ptrdiff_t i, const Rates *sum)
 {
   Particles *p = s->p;
   p->drho[i] = s->sph->density == SPH_CONTINUITY ? sum->drho : 0.0;
-  for (int d = 0; d < 3; d++) p->a[d][i] = sum->a[d] + s->scale.body[d];
+  const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+  double body[3] = {s->scale.body[0], s->scale.body[1], s->scale.body[2]};
+  if (s->spins) spin_add_acceleration(&s->sph->spin, x, body);
+  for (int d = 0; d < 3; d++) p->a[d][i] = sum->a[d] + body[d];
   stop_torn(s, i, sum);
 }
 

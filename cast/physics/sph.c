@@ -85,9 +85,10 @@ SphLimits sph_time_step(const SphParameters *sph, const Particles *p)
 {
   const double l = 0.5 * kernel_support(sph->kernel) * sph->h, never = (double)INFINITY;
   const Extremes most = find_extremes(p);
+  const double acceleration = most.acceleration + 2.0 * sqrt(spin_rate2(&sph->spin)) * most.speed; // Coriolis'
   const double heat = sph->melt ? most.conductivity / material_specific_heat_min(sph->melt) : 0.0;
   SphLimits limits = {.sound = sph_sound_step(sph, most.speed),
-                      .force = most.acceleration > 0.0 ? 0.25 * sqrt(l / most.acceleration) : never,
+                      .force = acceleration > 0.0 ? 0.25 * sqrt(l / acceleration) : never,
                       .viscosity = most.viscosity > 0.0 ? 0.1 * l * l / most.viscosity : never,
                       .conduction = heat > 0.0 ? 0.1 * l * l / heat : never};
   if (sph->frozen_flow) limits.sound = limits.force = limits.viscosity = never;

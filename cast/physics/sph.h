@@ -21,6 +21,7 @@
 #include "cast/kernel/kernel.h"
 #include "cast/particles/neighbours.h"
 #include "cast/particles/particles.h"
+#include "cast/physics/spin.h"
 #include "common/material.h"
 
 typedef enum SphDensity { SPH_CONTINUITY, SPH_SUMMATION } SphDensity;
@@ -36,7 +37,8 @@ typedef struct SphParameters {
   double delta;                // density diffusion (delta-SPH), 0.1; 0: none
   double alpha;                // artificial viscosity, 0: none
   bool cut_tension;            // no pressure below zero (else until the melt is torn, from 2 to 5 % of stretching)
-  double gravity[3], extra[3]; // m/s2, constant
+  double gravity[3], extra[3]; // m/s2, now
+  Spin spin;                   // of the mould, now
   const Material *melt;        // borrowed: T(E), kappa(T), mu(T); NULL: T, kappa, mu stay as they are set
   bool frozen_flow;            // particles stay where they are (heat only: H1, H2, H4)
 } SphParameters;

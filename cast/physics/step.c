@@ -23,12 +23,17 @@ SIMD_CLONES static void drift_rows(const Drift *d, ptrdiff_t first, ptrdiff_t en
   const double dt = d->dt, half = 0.5 * dt;
   const bool continuity = d->sph->density == SPH_CONTINUITY;
   const double lock = solidification_of(d->sph->melt).lock_enthalpy;
+  const double *w = d->sph->spin.rate;
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
     const double free = p->E[i] > lock ? 1.0 : 0.0; // a skeleton of solid stands where it is
+    // Coriolis' acceleration of the velocity at the step's start: -2 w x v dt/2
+    const double turned[3] = {dt * (p->v[1][i] * w[2] - p->v[2][i] * w[1]),
+                              dt * (p->v[2][i] * w[0] - p->v[0][i] * w[2]),
+                              dt * (p->v[0][i] * w[1] - p->v[1][i] * w[0])};
     double moved2 = 0.0;
     for (int axis = 0; axis < 3; axis++) {
-      const double v = free * (p->v[axis][i] + p->a[axis][i] * half);
+      const double v = free * (p->v[axis][i] + p->a[axis][i] * half + turned[axis]);
       p->v[axis][i] = v;
       p->x[axis][i] += v * dt;
       moved2 += v * v;
@@ -95,11 +100,20 @@ SIMD_CLONES static void finish_rows(const SphParameters *sph, Particles *p, doub
 {
   const bool flow = !sph->frozen_flow, continuity = flow && sph->density == SPH_CONTINUITY;
   const double lock_enthalpy = solidification_of(sph->melt).lock_enthalpy;
+  const double w[3] = {dt * sph->spin.rate[0], dt * sph->spin.rate[1], dt * sph->spin.rate[2]};
+  const double scale = 1.0 / (1.0 + w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
     const double free = p->E[i] > lock_enthalpy ? 1.0 : 0.0;
-    if (flow)
-      for (int axis = 0; axis < 3; axis++) p->v[axis][i] = free * (p->v[axis][i] + p->a[axis][i] * 0.5 * dt);
+    if (flow) {
+      double u[3];
+      for (int axis = 0; axis < 3; axis++) u[axis] = p->v[axis][i] + p->a[axis][i] * 0.5 * dt;
+      // Coriolis' acceleration of the velocity at the step's end, v + dt w x v = u: with its other half, taken at the
+      // next step's start, a turn that neither gains nor loses speed
+      const double along = w[0] * u[0] + w[1] * u[1] + w[2] * u[2];
+      const double cross[3] = {w[1] * u[2] - w[2] * u[1], w[2] * u[0] - w[0] * u[2], w[0] * u[1] - w[1] * u[0]};
+      for (int axis = 0; axis < 3; axis++) p->v[axis][i] = free * scale * (u[axis] - cross[axis] + w[axis] * along);
+    }
     p->rho[i] = continuity ? p->rho_start[i] + p->drho[i] * dt : p->rho[i];
     p->volume[i] = p->mass[i] / whole_density(p->rho[i], sph->rho0);
     p->E[i] += p->heat[i] * dt / p->mass[i];

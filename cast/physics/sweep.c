@@ -17,6 +17,7 @@ Sweep sweep_begin(const SphParameters *sph, Particles *particles, const Neighbou
   const double h = sph->h, *period = neighbours_period(neighbours), norm = shape_norm(sph->kernel);
   Sweep s = {.sph = sph,
              .p = particles,
+             .spins = !spin_is_none(&sph->spin),
              .fluid_fluid = neighbours_fluid_fluid(neighbours),
              .fluid_wall = neighbours_fluid_wall(neighbours),
              .wall_fluid = neighbours_wall_fluid(neighbours),
@@ -70,10 +71,12 @@ SIMD_CLONES static void pack_rows(const Sweep *s, ptrdiff_t first, ptrdiff_t end
   const double per_h3 = c->per_h * c->per_h * c->per_h,
                per_mu = 1.0 / (c->mass * c->mass * per_h3 * c->per_h * c->per_h);
   const bool cut = sph->cut_tension;
+  const Spin spin = sph->spin;
 #pragma omp simd
   for (ptrdiff_t i = first; i < end; i++) {
     const double whole = whole_density(p->rho[i], rho0);
-    const double g_dot_x = g[0] * p->x[0][i] + g[1] * p->x[1][i] + g[2] * p->x[2][i];
+    const double held = g[0] * p->x[0][i] + g[1] * p->x[1][i] + g[2] * p->x[2][i] +
+                        spin_potential(&spin, p->x[0][i], p->x[1][i], p->x[2][i]);
     p->p[i] = melt_pressure(p->rho[i], rho0, c0, gamma, cut);
     p->volume[i] = p->mass[i] / whole;
     RecordField *record = p->record + i * RECORD_SIZE;
@@ -85,7 +88,7 @@ SIMD_CLONES static void pack_rows(const Sweep *s, ptrdiff_t first, ptrdiff_t end
     record[REC_VY].value = (float)p->v[1][i];
     record[REC_VZ].value = (float)p->v[2][i];
     record[REC_P].value = (float)(p->p[i] / (whole * whole));
-    record[REC_ETA].value = (float)diffused_density(whole, rho0, c0, gamma, g_dot_x);
+    record[REC_ETA].value = (float)diffused_density(whole, rho0, c0, gamma, held);
     record[REC_MU].value = (float)(p->mu[i] * per_mu + SWEEP_TINY);
     record[REC_KAPPA].value = (float)(p->kappa[i] + SWEEP_TINY);
     record[REC_T].value = (float)(p->T[i] - T0);

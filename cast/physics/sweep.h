@@ -53,6 +53,7 @@ typedef struct Sweep {
   Particles *p;
   const PairList *fluid_fluid, *fluid_wall, *wall_fluid;
   SweepScales scale;
+  bool spins;
 } Sweep;
 
 typedef struct SweepTasks {

@@ -37,8 +37,9 @@ static double whole(const Sweep *s, ptrdiff_t i)
 static double eta(const Sweep *s, ptrdiff_t i)
 {
   const double *g = s->scale.held;
-  const double g_dot_x = g[0] * s->p->x[0][i] + g[1] * s->p->x[1][i] + g[2] * s->p->x[2][i];
-  return diffused_density(whole(s, i), s->sph->rho0, s->sph->c0, s->sph->gamma, g_dot_x);
+  const double x = s->p->x[0][i], y = s->p->x[1][i], z = s->p->x[2][i];
+  const double held = g[0] * x + g[1] * y + g[2] * z + spin_potential(&s->sph->spin, x, y, z);
+  return diffused_density(whole(s, i), s->sph->rho0, s->sph->c0, s->sph->gamma, held);
 }
 
 static double per_sum(double a, double b)

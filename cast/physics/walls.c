@@ -10,23 +10,51 @@ typedef struct WallSums {
   float weight, p, v[3];
 } WallSums;
 
+/* What body forces do to the pressure between a wall particle and its neighbours: that in the middle of the way, which
+ * is exact for a force that changes evenly with the place; lengths in h. */
+typedef struct WallForce {
+  float g[3];       // m2/s2, at the wall particle: uniform, centrifugal and Euler's, times h
+  float rate[3];    // m/s, angular velocity times h
+  float half_rate2; // m2/s2, w^2/2 times h^2
+} WallForce;
+
+PAIR_INLINE WallForce wall_force(const Sweep *s, const double x[3])
+{
+  const double h = 1.0 / s->scale.per_h, *held = s->scale.held;
+  double g[3] = {held[0], held[1], held[2]};
+  if (s->spins) spin_add_acceleration(&s->sph->spin, x, g);
+  WallForce force = {.half_rate2 = (float)(0.5 * spin_rate2(&s->sph->spin) * h * h)};
+  for (int d = 0; d < 3; d++) {
+    force.g[d] = (float)(g[d] * h);
+    force.rate[d] = (float)(s->sph->spin.rate[d] * h);
+  }
+  return force;
+}
+
 /* sum_f W, sum_f (p_f + rho_f g.(x_w - x_f)) W and sum_f v_f W over the n fluid neighbours in the block; lengths in h,
  * volumes in h^3, W in norm/h^3. */
-PAIR_INLINE void extrapolate(const Sweep *s, KernelKind kernel, const RecordField *me, const Block *b, ptrdiff_t n,
-                             WallSums *sum)
+PAIR_INLINE void extrapolate(const Sweep *s, KernelKind kernel, bool spins, const RecordField *me,
+                             const WallForce *force, const Block *b, ptrdiff_t n, WallSums *sum)
 {
   const SweepScales *c = &s->scale;
-  const double h = 1.0 / c->per_h;
   const float mass = (float)(c->mass * c->per_h * c->per_h * c->per_h); // kg/h^3
-  const float gx = (float)(c->held[0] * h), gy = (float)(c->held[1] * h), gz = (float)(c->held[2] * h);
+  const float gx = force->g[0], gy = force->g[1], gz = force->g[2];
+  const float wx = force->rate[0], wy = force->rate[1], wz = force->rate[2], half_w2 = force->half_rate2;
   float weight = 0.0F, p = 0.0F, vx = 0.0F, vy = 0.0F, vz = 0.0F;
 #pragma omp simd reduction(+ : weight, p, vx, vy, vz)
   for (ptrdiff_t k = 0; k < n; k++) {
     const float dx = (float)(int32_t)(me[REC_X].place - b->place[REC_X][k]) * c->step[0],
                 dy = (float)(int32_t)(me[REC_Y].place - b->place[REC_Y][k]) * c->step[1],
                 dz = (float)(int32_t)(me[REC_Z].place - b->place[REC_Z][k]) * c->step[2];
-    const float W = shape_value_f(kernel, sqrtf(dx * dx + dy * dy + dz * dz));
-    const float rho = mass / b->value[REC_VOLUME][k], head = gx * dx + gy * dy + gz * dz;
+    const float r2 = dx * dx + dy * dy + dz * dz, W = shape_value_f(kernel, sqrtf(r2));
+    const float rho = mass / b->value[REC_VOLUME][k];
+    float head = gx * dx + gy * dy + gz * dz;
+    if (spins) {
+      const float ux = b->value[REC_VX][k], uy = b->value[REC_VY][k], uz = b->value[REC_VZ][k];
+      const float along = wx * dx + wy * dy + wz * dz;
+      head -= half_w2 * r2 - 0.5F * along * along;
+      head -= 2.0F * (dx * (wy * uz - wz * uy) + dy * (wz * ux - wx * uz) + dz * (wx * uy - wy * ux));
+    }
     weight += W;
     p += W * rho * (rho * b->value[REC_P][k] + head);
     vx += W * b->value[REC_VX][k];
@@ -69,7 +97,7 @@ PAIR_INLINE void far_filler(const RecordField *me, RecordField filler[RECORD_SIZ
   filler[REC_VOLUME].value = 1.0F; // is divided by
 }
 
-PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, ptrdiff_t end)
+PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, bool spins, ptrdiff_t first, ptrdiff_t end)
 {
   const Particles *p = s->p;
   const PairList *list = s->wall_fluid;
@@ -81,11 +109,12 @@ PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, p
     for (int d = 0; d < 3; d++) me[REC_X + d] = sweep_place(&s->scale, d, p->x[d][i]);
     _Alignas(16) RecordField filler[RECORD_SIZE];
     far_filler(me, filler);
+    const WallForce force = wall_force(s, (const double[3]){p->x[0][i], p->x[1][i], p->x[2][i]});
     WallSums sum = {0};
     for (ptrdiff_t l = list->start[k]; l < list->start[k + 1]; l += BLOCK_PAIRS) {
       const ptrdiff_t left = list->start[k + 1] - l, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
       const ptrdiff_t n = block_fill(&block, REC_P + 1, p->record, list->index + l, most, filler);
-      extrapolate(s, kernel, me, &block, n, &sum);
+      extrapolate(s, kernel, spins, me, &force, &block, n, &sum);
     }
     set_wall(s, k, &sum, me);
   }
@@ -93,20 +122,26 @@ PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, p
 
 SIMD_CLONES static void walls_wendland(const Sweep *s, ptrdiff_t first, ptrdiff_t end)
 {
-  wall_rows(s, KERNEL_WENDLAND_C2, first, end);
+  wall_rows(s, KERNEL_WENDLAND_C2, false, first, end);
+}
+
+SIMD_CLONES static void walls_wendland_spun(const Sweep *s, ptrdiff_t first, ptrdiff_t end)
+{
+  wall_rows(s, KERNEL_WENDLAND_C2, true, first, end);
 }
 
 SIMD_CLONES static void walls_any(const Sweep *s, ptrdiff_t first, ptrdiff_t end)
 {
-  wall_rows(s, s->sph->kernel, first, end);
+  wall_rows(s, s->sph->kernel, s->spins, first, end);
 }
 
 void sweep_walls(const Sweep *s)
 {
   const ptrdiff_t n = s->p->n - s->p->n_fluid;
-  static void (*const forms[])(const Sweep *s, ptrdiff_t first, ptrdiff_t end) = {walls_any, walls_wendland};
-  const bool wendland = s->sph->kernel == KERNEL_WENDLAND_C2;
+  static void (*const forms[])(const Sweep *s, ptrdiff_t first, ptrdiff_t end) = {walls_any, walls_wendland,
+                                                                                  walls_wendland_spun};
+  const int form = s->sph->kernel != KERNEL_WENDLAND_C2 ? 0 : s->spins ? 2 : 1;
 #pragma omp parallel for schedule(dynamic)
   for (ptrdiff_t first = 0; first < n; first += WALLS_PER_TASK)
-    forms[wendland](s, first, first + WALLS_PER_TASK < n ? first + WALLS_PER_TASK : n);
+    forms[form](s, first, first + WALLS_PER_TASK < n ? first + WALLS_PER_TASK : n);
 }

@@ -268,6 +268,7 @@ static void fast_and_plain_form_agree(void **unused)
     Cloud cloud = make_cloud((KernelKind)kind);
     disturb(&cloud);
     cloud.sph.gravity[1] = 9.81;
+    cloud.sph.spin = (Spin){{0.1, 0.0, 0.0}, {3.0, 4.0, 5.0}, {100.0, 0.0, 50.0}};
     check_forms_agree(&cloud.sph, &cloud.p, cloud.nb);
     destroy(&cloud);
   }
@@ -285,6 +286,7 @@ static void fast_and_plain_form_agree_at_walls_and_across_ends(void **unused)
                         .high = {false, false, true},
                         .sph = melt_parameters((KernelKind)kind)};
     tank.sph.gravity[2] = -9.81;
+    if (kind % 2 == 0) tank.sph.spin = (Spin){{5e-3, 5e-3, 0.0}, {0.0, 0.0, 30.0}, {0.0, 0.0, 0.0}};
     lattice_tank_create(&tank);
     Particles *p = &tank.particles;
     unsigned long long seed = 17;

@@ -114,7 +114,8 @@ static void every_option_arrives(void **state)
   assert_int_equal(c->n_blocks, 2);
   assert_close(c->block[0].velocity[2], -1.7, 1e-15);
   assert_close(c->block[0].size[1], 2e-3, 1e-18);
-  assert_close(c->acceleration[1], 33.3, 1e-14);
+  assert_close(c->drive.acceleration[1], 33.3, 1e-14);
+  assert_close(c->drive.gravity[0][2], -9.81, 1e-14);
   assert_int_equal(c->kernel, KERNEL_QUINTIC_SPLINE);
   assert_close(c->sound_speed, 17.7, 1e-14);
   assert_int_equal(c->density, SPH_SUMMATION);
@@ -131,6 +132,29 @@ static void every_option_arrives(void **state)
   assert_int_equal(c->output.n_tracers, 2);
   assert_string_equal(c->output.tracer[1].name, "2");
   cast_config_destroy(&c);
+}
+
+static void assert_same_table(const Table *a, const Table *b)
+{
+  assert_int_equal(a->n, b->n);
+  if (a->n == 0) return;
+  assert_memory_equal(a->x, b->x, a->n * sizeof *a->x);
+  assert_memory_equal(a->y, b->y, a->n * sizeof *a->y);
+}
+
+static void assert_same_drive(const Drive *a, const Drive *b)
+{
+  assert_int_equal(a->n, b->n);
+  assert_memory_equal(a->time, b->time, a->n * sizeof *a->time);
+  assert_memory_equal(a->gravity, b->gravity, a->n * sizeof *a->gravity);
+  assert_memory_equal(a->acceleration, b->acceleration, sizeof a->acceleration);
+  for (int d = 0; d < 3; d++) { // directions are made to have length 1 again: the last bit may differ
+    assert_close(a->tilt_axis[d], b->tilt_axis[d], 2.3e-16);
+    assert_close(a->spin_axis[d], b->spin_axis[d], 2.3e-16);
+  }
+  assert_memory_equal(a->spin_point, b->spin_point, sizeof a->spin_point);
+  assert_same_table(&a->tilt, &b->tilt);
+  assert_same_table(&a->speed, &b->speed);
 }
 
 static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
@@ -176,8 +200,7 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
                       b->melt.density,
                       b->melt.conductivity};
   assert_memory_equal(u, w, sizeof u);
-  assert_memory_equal(a->gravity, b->gravity, sizeof a->gravity);
-  assert_memory_equal(a->acceleration, b->acceleration, sizeof a->acceleration);
+  assert_same_drive(&a->drive, &b->drive);
   assert_int_equal(a->n_blocks, b->n_blocks);
   assert_memory_equal(a->block, b->block, a->n_blocks * sizeof *a->block);
   assert_int_equal(a->n_part, b->n_part);
@@ -275,6 +298,43 @@ static void outer_walls_arrive_and_are_written_again(void **state)
   cast_config_destroy(&config);
 }
 
+/* LEAST with other forces. */
+static CastConfig *read_with_forces(const char *forces)
+{
+  char text[2048];
+  const char *old = "{ gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2] }", *at = strstr(LEAST, old);
+  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST, forces, at + strlen(old));
+  return read_text(text, "cast.yaml");
+}
+
+static void forces_that_change_with_time_arrive_and_are_written_again(void **state)
+{
+  (void)state;
+  static const char *const forces[] = {
+      "{ gravity: [[0 s, [0 m/s^2, 0 m/s^2, -9.81 m/s^2]], [1.7 s, 9.81 0 0.1 m/s^2]] }",
+      "{ gravity: 0 0 -9.81 m/s^2, tilt: { axis: [0, 3, 1], angle: [[0.1 s, 0 deg], [2 s, 77 deg]] } }",
+      "{ gravity: 0 0 -9.81 m/s^2, spin: { point: [-150 mm, 0 mm, 1 mm], axis: [0, 1, 2], speed: [[0 s, 0 rpm], [0.3 "
+      "s, "
+      "600 rpm]] } }",
+      "{ gravity: 0 0 -9.81 m/s^2, spin: { point: 0 0 0 m, axis: [0, 0, 1], speed: 300 rpm } }"};
+  for (int k = 0; k < 4; k++) {
+    CastConfig *first = read_with_forces(forces[k]);
+    char *resolved = NULL;
+    CastError err = {0};
+    assert_int_equal(cast_config_resolved(first, 0.0, &resolved, &err), CAST_OK);
+    CastConfig *second = read_text(resolved, "/elsewhere/resolved.yaml");
+    assert_same_drive(&first->drive, &second->drive);
+    if (k == 0) assert_close(first->drive.gravity[1][0], 9.81, 1e-15);
+    if (k == 1) assert_close(first->drive.tilt.y[1], 77.0 * M_PI / 180.0, 1e-15);
+    if (k == 1) assert_close(first->drive.tilt_axis[1], 3.0 / sqrt(10.0), 1e-15);
+    if (k == 2) assert_close(first->drive.speed.y[1], 20.0 * M_PI, 1e-13);
+    if (k == 3) assert_close(table_evaluate(&first->drive.speed, 5.0), 10.0 * M_PI, 1e-13);
+    free(resolved);
+    cast_config_destroy(&first);
+    cast_config_destroy(&second);
+  }
+}
+
 static void a_sound_speed_that_was_chosen_stands_in_the_resolved_input(void **state)
 {
   (void)state;
@@ -325,6 +385,7 @@ int main(void)
       cmocka_unit_test(every_option_arrives),
       cmocka_unit_test(the_resolved_input_reads_again_to_the_same_bits),
       cmocka_unit_test(contact_tables_and_surfaces_arrive_and_are_written_again),
+      cmocka_unit_test(forces_that_change_with_time_arrive_and_are_written_again),
       cmocka_unit_test(outer_walls_arrive_and_are_written_again),
       cmocka_unit_test(a_sound_speed_that_was_chosen_stands_in_the_resolved_input),
       cmocka_unit_test(all_faults_are_told_at_once),

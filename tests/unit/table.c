@@ -88,6 +88,24 @@ static void points_out_of_order_or_not_finite_are_refused(void **state)
   assert_int_equal(table_create(0, X, Y, &table, &err), CAST_ERR_ARGUMENT);
 }
 
+static void the_integral_is_that_of_the_straight_lines(void **state)
+{
+  (void)state;
+  CastError err;
+  Table table;
+  const double x[] = {1.0, 2.0, 4.0}, y[] = {3.0, 5.0, -1.0};
+  assert_int_equal(table_create(3, x, y, &table, &err), CAST_OK);
+  assert_close(table_integral(&table, 1.0, 4.0), 4.0 + 4.0, 1e-15);
+  assert_close(table_integral(&table, 0.0, 1.5), 3.0 + 1.75, 1e-15);
+  assert_close(table_integral(&table, 3.0, 6.0), 0.5 - 2.0, 1e-15);
+  assert_close(table_integral(&table, 6.0, 3.0), 1.5, 1e-15);
+  assert_close(table_integral(&table, 5.0, 7.0), -2.0, 1e-15);
+  table_destroy(&table);
+  assert_int_equal(table_create(1, x, y, &table, &err), CAST_OK);
+  assert_close(table_integral(&table, -1.0, 4.0), 15.0, 1e-15);
+  table_destroy(&table);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -95,6 +113,7 @@ int main(void)
       cmocka_unit_test(value_is_constant_outside_and_open_ends_go_on_straight),
       cmocka_unit_test(one_point_is_a_constant_and_nan_stays_nan),
       cmocka_unit_test(segment_found_is_the_one_a_linear_search_finds),
+      cmocka_unit_test(the_integral_is_that_of_the_straight_lines),
       cmocka_unit_test(points_out_of_order_or_not_finite_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

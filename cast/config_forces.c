@@ -1,0 +1,150 @@
+/* config_forces.c - `forces:` of cast.yaml, read and written.
+ *   forces:
+ *     gravity: [0, 0, -9.81 m/s^2]  |  [[0 s, [..]], [2 s, [..]]]
+ *     acceleration: [..]                                            besides gravity, fixed to the mould
+ *     tilt: { axis: [0, 1, 0], angle: [[0 s, 0 deg], [2 s, 90 deg]] }
+ *     spin: { point: [..], axis: [0, 0, 1], speed: 600 rpm  |  [[0 s, 0 rpm], [0.3 s, 600 rpm]] } */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cast/config_private.h"
+
+bool config_read_timed(YamlNode node, const char *unit, YamlRange range, Table *table)
+{
+  *table = (Table){0};
+  if (!yaml_exists(node)) return false;
+  if (yaml_is_sequence(node)) return material_read_table(node, "s", unit, range, table);
+  const double always = 0.0, value = yaml_quantity(node, unit, range, NAN);
+  CastError err;
+  if (isnan(value)) return false;
+  if (table_create(1, &always, &value, table, &err) == CAST_OK) return true;
+  yaml_problem(node, "%s", err.message);
+  return false;
+}
+
+bool config_read_direction(YamlNode node, double unit[3])
+{
+  unit[0] = unit[1] = unit[2] = 0.0;
+  if (!yaml_vector(node, "1", unit)) return false;
+  const double size = sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
+  if (!(size > 0.0)) {
+    yaml_problem(node, "a direction is expected, such as [0, 0, 1]; its length does not matter, but must not be 0");
+    return false;
+  }
+  for (int d = 0; d < 3; d++) unit[d] /= size;
+  return true;
+}
+
+/* ---- reading ---- */
+
+static CastStatus read_gravity(YamlNode node, Drive *drive, CastError *err)
+{
+  const bool timed = yaml_is_sequence(node) && yaml_is_sequence(yaml_item(node, 0));
+  const size_t n = timed ? yaml_count(node) : 1;
+  drive->time = calloc(n, sizeof *drive->time);
+  drive->gravity = calloc(n, sizeof *drive->gravity);
+  CAST_CHECK(drive->time && drive->gravity, err, CAST_ERR_MEMORY, "no memory for %zu points of gravity", n);
+  drive->n = n;
+  if (!timed) {
+    if (yaml_exists(node) && !yaml_vector(node, "m/s^2", drive->gravity[0])) memset(drive->gravity[0], 0, 24);
+    return CAST_OK;
+  }
+  for (size_t i = 0; i < n; i++) {
+    const YamlNode pair = yaml_item(node, i);
+    if (!yaml_is_sequence(pair) || yaml_count(pair) != 2) {
+      yaml_problem(pair, "a time and a vector are expected: [2 s, [9.81 m/s^2, 0 m/s^2, 0 m/s^2]]");
+      continue;
+    }
+    drive->time[i] = yaml_quantity(yaml_item(pair, 0), "s", YAML_ANY, 0.0);
+    if (!yaml_vector(yaml_item(pair, 1), "m/s^2", drive->gravity[i])) memset(drive->gravity[i], 0, 24);
+    if (i > 0 && !(drive->time[i] > drive->time[i - 1]))
+      yaml_problem(pair, "%g s follows %g s: times must rise strictly", drive->time[i], drive->time[i - 1]);
+  }
+  return CAST_OK;
+}
+
+static void read_tilt(YamlNode node, Drive *drive)
+{
+  if (!yaml_exists(node)) return;
+  config_read_direction(yaml_require(node, "axis"), drive->tilt_axis);
+  config_read_timed(yaml_require(node, "angle"), "rad", YAML_ANY, &drive->tilt);
+}
+
+static void read_spin(YamlNode node, Drive *drive)
+{
+  if (!yaml_exists(node)) return;
+  const YamlNode point = yaml_require(node, "point");
+  if (yaml_exists(point) && !yaml_vector(point, "m", drive->spin_point)) memset(drive->spin_point, 0, 24);
+  config_read_direction(yaml_require(node, "axis"), drive->spin_axis);
+  config_read_timed(yaml_require(node, "speed"), "rad/s", YAML_ANY, &drive->speed);
+}
+
+CastStatus config_read_forces(YamlNode node, CastConfig *config, CastError *err)
+{
+  Drive *drive = &config->drive;
+  const YamlNode acceleration = yaml_get(node, "acceleration"), tilt = yaml_get(node, "tilt"),
+                 spin = yaml_get(node, "spin");
+  CAST_CALL(read_gravity(yaml_require(node, "gravity"), drive, err));
+  if (yaml_exists(acceleration) && !yaml_vector(acceleration, "m/s^2", drive->acceleration))
+    memset(drive->acceleration, 0, sizeof drive->acceleration);
+  read_tilt(tilt, drive);
+  read_spin(spin, drive);
+  if (yaml_exists(tilt) && drive->n > 1) yaml_problem(tilt, "gravity changes with time already; give one of the two");
+  if (yaml_exists(tilt) && yaml_exists(spin))
+    yaml_problem(tilt, "a mould that spins cannot be tilted as well: about which axis first?");
+  return CAST_OK;
+}
+
+/* ---- the resolved input ---- */
+
+void config_put_vector(FILE *out, const double v[3], const char *unit)
+{
+  fprintf(out, "[%.17g %s, %.17g %s, %.17g %s]", v[0], unit, v[1], unit, v[2], unit);
+}
+
+void config_put_timed(FILE *out, const Table *table, const char *unit)
+{
+  if (table->n == 1) {
+    fprintf(out, "%.17g %s", table->y[0], unit);
+    return;
+  }
+  for (size_t i = 0; i < table->n; i++)
+    fprintf(out, "%s[%.17g s, %.17g %s]", i ? ", " : "[", table->x[i], table->y[i], unit);
+  fputc(']', out);
+}
+
+static void put_direction(FILE *out, const double v[3])
+{
+  fprintf(out, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
+}
+
+void config_put_forces(FILE *out, const CastConfig *config)
+{
+  const Drive *drive = &config->drive;
+  fputs("forces:\n  gravity: ", out);
+  if (drive->n == 1) config_put_vector(out, drive->gravity[0], "m/s^2");
+  for (size_t i = 0; i < drive->n && drive->n > 1; i++) {
+    fprintf(out, "%s[%.17g s, ", i ? ", " : "[", drive->time[i]);
+    config_put_vector(out, drive->gravity[i], "m/s^2");
+    fputs(i + 1 < drive->n ? "]" : "]]", out);
+  }
+  fputs("\n  acceleration: ", out);
+  config_put_vector(out, drive->acceleration, "m/s^2");
+  if (drive->tilt.n) {
+    fputs("\n  tilt:\n    axis: ", out);
+    put_direction(out, drive->tilt_axis);
+    fputs("\n    angle: ", out);
+    config_put_timed(out, &drive->tilt, "rad");
+  }
+  if (drive->speed.n) {
+    fputs("\n  spin:\n    point: ", out);
+    config_put_vector(out, drive->spin_point, "m");
+    fputs("\n    axis: ", out);
+    put_direction(out, drive->spin_axis);
+    fputs("\n    speed: ", out);
+    config_put_timed(out, &drive->speed, "rad/s");
+  }
+  fputc('\n', out);
+}
