@@ -64,10 +64,12 @@ static CastStatus read_melt(YamlNode node, CastConfig *config, CastError *err)
   config->melt_temperature = yaml_quantity(yaml_require(node, "temperature"), "K", YAML_POSITIVE, NAN);
   const YamlNode blocks = yaml_get(node, "blocks"), level = yaml_get(node, "cavity_below");
   CAST_CALL(read_blocks(blocks, config, err));
+  CAST_CALL(config_read_pour(node, config, err));
   config->has_level = yaml_exists(level);
   config->level = yaml_quantity(level, "m", YAML_ANY, NAN);
-  if (yaml_is_map(node) && !yaml_exists(blocks) && !config->has_level)
-    yaml_problem(node, "where is the melt? Give blocks, or cavity_below: the height up to which the cavity is full");
+  if (yaml_is_map(node) && !yaml_exists(blocks) && !config->has_level && !yaml_exists(yaml_get(node, "inlets")))
+    yaml_problem(
+        node, "where is the melt? Give blocks, or cavity_below: the height up to which the cavity is full, or inlets");
   return CAST_OK;
 }
 
@@ -213,7 +215,7 @@ static CastStatus read_output(YamlNode node, CastConfig *config, CastError *err)
 static void check_sound_speed(YamlNode root, const CastConfig *config)
 {
   const Drive *forces = &config->drive;
-  double drive = forces->speed.n ? 1.0 : 0.0;
+  double drive = forces->speed.n || config->n_inlets ? 1.0 : 0.0;
   for (int d = 0; d < 3; d++)
     for (size_t i = 0; i < forces->n; i++) drive += fabs(forces->gravity[i][d] + forces->acceleration[d]);
   for (size_t i = 0; i < config->n_blocks; i++)
@@ -270,6 +272,7 @@ void cast_config_destroy(CastConfig **config)
   material_destroy(&old->melt);
   contact_laws_destroy(&old->contact);
   drive_destroy(&old->drive);
+  config_destroy_pour(old);
   char *texts[] = {old->title,         old->rom_path,   old->melt_reference,
                    old->output.folder, old->input_path, old->input_text};
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);

@@ -4,6 +4,8 @@
 
 #include "cast/mould/coupling.h"
 #include "cast/physics/drive.h"
+#include "cast/pour/inlet.h"
+#include "cast/pour/outlet.h"
 
 typedef struct BlockConfig { // a box of melt at the start
   double corner[3], size[3]; // m
@@ -47,6 +49,9 @@ typedef struct CastConfig {
   double melt_temperature; // K
   size_t n_blocks;
   BlockConfig *block;
+  size_t n_inlets, n_outlets;
+  InletConfig *inlet;
+  OutletConfig *outlet;
   bool has_level;                     // melt fills the cavity below this height at the start
   double level;                       // m
   Drive drive;                        // gravity, tilting, spinning

@@ -115,7 +115,7 @@ void config_put_timed(FILE *out, const Table *table, const char *unit)
   fputc(']', out);
 }
 
-static void put_direction(FILE *out, const double v[3])
+void config_put_direction(FILE *out, const double v[3])
 {
   fprintf(out, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
 }
@@ -134,7 +134,7 @@ void config_put_forces(FILE *out, const CastConfig *config)
   config_put_vector(out, drive->acceleration, "m/s^2");
   if (drive->tilt.n) {
     fputs("\n  tilt:\n    axis: ", out);
-    put_direction(out, drive->tilt_axis);
+    config_put_direction(out, drive->tilt_axis);
     fputs("\n    angle: ", out);
     config_put_timed(out, &drive->tilt, "rad");
   }
@@ -142,7 +142,7 @@ void config_put_forces(FILE *out, const CastConfig *config)
     fputs("\n  spin:\n    point: ", out);
     config_put_vector(out, drive->spin_point, "m");
     fputs("\n    axis: ", out);
-    put_direction(out, drive->spin_axis);
+    config_put_direction(out, drive->spin_axis);
     fputs("\n    speed: ", out);
     config_put_timed(out, &drive->speed, "rad/s");
   }

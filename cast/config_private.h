@@ -1,6 +1,6 @@
 /* config_private.h - what the files of the configuration share.
  *   config.c  reading   config_contact.c  `contact:`, both ways   config_walls.c  `walls:`, both ways
- *   config_forces.c  `forces:`, both ways
+ *   config_forces.c  `forces:`, both ways   config_pour.c  `melt.inlets:`, `melt.outlets:`, both ways
  *   config_resolved.c  writing */
 #ifndef CAST_CONFIG_PRIVATE_H
 #define CAST_CONFIG_PRIVATE_H
@@ -18,6 +18,10 @@ void config_put_forces(FILE *out, const CastConfig *config);
 bool config_read_timed(YamlNode node, const char *unit, YamlRange range, Table *table);
 void config_put_timed(FILE *out, const Table *table, const char *unit);
 bool config_read_direction(YamlNode node, double unit[3]); // a vector without unit, made to have length 1
+CastStatus config_read_pour(YamlNode melt, CastConfig *config, CastError *err); // after the material and temperature
+void config_destroy_pour(CastConfig *config);
+void config_put_pour(FILE *out, const CastConfig *config);
+void config_put_direction(FILE *out, const double v[3]);
 void config_put_vector(FILE *out, const double v[3], const char *unit);
 void config_put_text(FILE *out, const char *text); // quoted where YAML needs it
 

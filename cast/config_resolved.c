@@ -94,6 +94,7 @@ static void put_melt(FILE *out, const CastConfig *c)
     config_put_vector(out, block->velocity, "m/s");
     fputc('\n', out);
   }
+  config_put_pour(out, c);
 }
 
 static void put_sph(FILE *out, const CastConfig *c, double sound_speed)

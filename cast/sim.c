@@ -18,6 +18,7 @@ static CastStatus first_rates(Sim *sim, CastError *err)
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
   CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
+  sim_pour_carry(sim);
   return CAST_OK;
 }
 
@@ -67,6 +68,7 @@ void sim_destroy(Sim **sim)
   sim_output_destroy(&s->output);
   cool_destroy(&s->cool);
   freezing_destroy(&s->freezing);
+  sim_pour_destroy(s);
   filling_destroy(&s->filling);
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);
@@ -110,13 +112,15 @@ static CastStatus move(Sim *sim, CastError *err)
   long guarded = 0;
   CAST_CALL(sph_drift(&sim->sph, &sim->particles, sim->surface, sim->counts.dt, &guarded, err));
   sim->counts.guarded += (double)guarded;
+  sim_pour_place(sim, sim->counts.time + sim->counts.dt);
   return CAST_OK;
 }
 
 static CastStatus update_lists(Sim *sim, CastError *err)
 {
-  const bool force = sim->counts.since_rebuild >= MOST_STEPS_BETWEEN_REBUILDS;
+  const bool force = sim->lists_stale || sim->counts.since_rebuild >= MOST_STEPS_BETWEEN_REBUILDS;
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, force, &sim->rebuilt, err));
+  sim->lists_stale = false;
   sim->counts.since_rebuild = sim->rebuilt ? 0.0 : sim->counts.since_rebuild + 1.0;
   return sim->rebuilt ? coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err) : CAST_OK;
 }
@@ -128,7 +132,8 @@ static CastStatus finish(Sim *sim, CastError *err)
   sim->counts.steps += 1.0;
   sim->counts.particle_steps += (double)sim->particles.n_fluid;
   sim_watch_rest(sim);
-  return sim->rebuilt ? sim_remove_escaped(sim, err) : CAST_OK;
+  if (sim->rebuilt) CAST_CALL(sim_remove_escaped(sim, err));
+  return sim_pour_feed(sim, err);
 }
 
 /* A checkpoint is taken right after the lists were made anew: made anew from what it holds they are the same, so it

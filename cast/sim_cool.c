@@ -37,7 +37,7 @@ void sim_watch_rest(Sim *sim)
   if (!sim->config->cool.wanted || fmod(n->steps, LOOK_EVERY) != 0.0) return;
   n->kinetic = sph_kinetic_energy(&sim->particles);
   n->kinetic_peak = fmax(n->kinetic_peak, n->kinetic);
-  if (n->kinetic > REST * n->kinetic_peak || n->kinetic_peak == 0.0)
+  if (n->kinetic > REST * n->kinetic_peak || n->kinetic_peak == 0.0 || !sim_pour_is_over(sim))
     n->quiet = -1.0;
   else if (n->quiet <= 0.0)
     n->quiet = n->time;
@@ -49,6 +49,7 @@ SwitchReason sim_fill_is_over(const Sim *sim)
   const Particles *p = &sim->particles;
   if (!sim->config->cool.wanted || p->n_fluid == 0) return SWITCH_NONE;
   if (n->time >= sim->config->end * (1.0 - 1e-12)) return SWITCH_TIME;
+  if (!sim_pour_is_over(sim)) return SWITCH_NONE;
   if (sim->config->cool.at_end || fmod(n->steps, LOOK_EVERY) != 0.0) return SWITCH_NONE;
   if (n->quiet > 0.0 && n->time - n->quiet >= REST_FOR) return SWITCH_REST;
   return solidification_count_locked(&sim->config->melt, p->n_fluid, p->E) == p->n_fluid ? SWITCH_LOCKED : SWITCH_NONE;
@@ -79,6 +80,7 @@ CastStatus sim_cool_begin(Sim *sim, CastError *err)
   static const char *const reasons[] = {"", "the melt is at rest", "all melt is locked", "the filling's time is up"};
   SimCounts *n = &sim->counts;
   const SwitchReason reason = sim_fill_is_over(sim);
+  CAST_CALL(sim_pour_end(sim, err));
   stop_melt(&sim->particles);
   CAST_CALL(create(sim, err));
   n->kinetic = sph_kinetic_energy(&sim->particles);

@@ -90,21 +90,11 @@ static CastStatus write_ledger(const SimCurves *curves, Sim *sim, CastError *err
     const double v2 = p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i];
     sim->counts.fastest = fmax(sim->counts.fastest, sqrt(v2));
   }
-  const double values[] = {sim->counts.time,
-                           sim->counts.steps,
-                           sim->counts.dt,
-                           ledger.melt_now - ledger.melt_start,
-                           ledger.mould_now,
-                           ledger.lost,
-                           ledger.removed,
-                           ledger.exchanged,
-                           ledger.residual,
-                           sph_kinetic_energy(p),
-                           (double)p->n_fluid,
-                           wetted,
-                           coldest,
-                           sum / (double)p->n_fluid,
-                           hottest};
+  const double values[] = {
+      sim->counts.time, sim->counts.steps, sim->counts.dt,           ledger.melt_now - ledger.melt_start,
+      ledger.mould_now, ledger.lost,       ledger.removed,           ledger.added,
+      ledger.exchanged, ledger.residual,   sph_kinetic_energy(p),    (double)p->n_fluid,
+      wetted,           coldest,           sum / (double)p->n_fluid, hottest};
   for (size_t k = 0; k < sizeof values / sizeof *values; k++) csv_number(csv, values[k]);
   for (size_t s = 0; s <= filling_n_features(sim->filling); s++) csv_number(csv, filling_fraction(sim->filling, s));
   return csv_end_row(csv, err);
@@ -162,7 +152,8 @@ static void put_header(FILE *out, int kind, const Sim *sim)
   } else if (kind == CURVE_TRACERS) {
     fputs("time_s,name,id,x_m,y_m,z_m,vx_m/s,vy_m/s,vz_m/s,temperature_K,enthalpy_J/kg,pressure_Pa", out);
   } else {
-    fputs("time_s,step,dt_s,melt_gain_J,mould_J,lost_J,removed_J,exchanged_J,residual_J,kinetic_J,particles,wetted_m2,"
+    fputs("time_s,step,dt_s,melt_gain_J,mould_J,lost_J,removed_J,added_J,exchanged_J,residual_J,kinetic_J,particles,"
+          "wetted_m2,"
           "melt_min_K,melt_mean_K,melt_max_K",
           out);
     for (size_t s = 0; s <= filling_n_features(sim->filling); s++)

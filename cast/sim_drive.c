@@ -28,6 +28,7 @@ static void measure_potential(const Sim *sim, const SphParameters *sph, Extent *
       for (int d = 0; d < 3; d++) x[d] = c->block[b].corner[d] + ((corner >> d) & 1 ? c->block[b].size[d] : 0.0);
       widen(melt, drive_potential(sph, x));
     }
+  for (size_t k = 0; k < c->n_inlets; k++) widen(melt, drive_potential(sph, c->inlet[k].centre));
   for (size_t t = 0; t < sim->rom->n_triangles; t++) {
     if (sim->rom->patch[sim->rom->triangle_patch[t]].outer) continue;
     for (int k = 0; k < 3; k++) {

@@ -28,8 +28,9 @@ static void close_gaps(void *field, size_t size, const Particles *p, const uint8
   memmove(bytes + (size_t)stay * size, bytes + (size_t)p->n_fluid * size, (size_t)(p->n - p->n_fluid) * size);
 }
 
-static void remove_marked(Particles *p, const uint8_t *leaves, ptrdiff_t gone)
+void sim_remove_marked(Sim *sim, const uint8_t *leaves, ptrdiff_t gone)
 {
+  Particles *p = &sim->particles;
   ParticleField field[PARTICLE_FIELDS];
   particles_fields(p, field);
   const ptrdiff_t stay = p->n_fluid - gone;
@@ -37,31 +38,45 @@ static void remove_marked(Particles *p, const uint8_t *leaves, ptrdiff_t gone)
   close_gaps(p->id, sizeof *p->id, p, leaves, stay);
   p->n -= gone;
   p->n_fluid = stay;
+  if (gone > 0) sim->lists_stale = true;
+}
+
+/* What melt leaves through: an outlet's number, or `out`: it got out of the box; -1: it stays. */
+static ptrdiff_t exit_of(const Sim *sim, ptrdiff_t i, ptrdiff_t out)
+{
+  const Particles *p = &sim->particles;
+  if (has_left(sim, i)) return out;
+  return sim_pour_outlet(sim, (const double[3]){p->x[0][i], p->x[1][i], p->x[2][i]});
 }
 
 CastStatus sim_remove_escaped(Sim *sim, CastError *err)
 {
   Particles *p = &sim->particles;
-  ptrdiff_t gone = 0;
+  const ptrdiff_t out = (ptrdiff_t)sim->config->n_outlets;
+  ptrdiff_t gone = 0, escaped = 0;
 #pragma omp parallel for reduction(+ : gone)
-  for (ptrdiff_t i = 0; i < p->n_fluid; i++) gone += has_left(sim, i);
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) gone += exit_of(sim, i, out) >= 0;
   if (gone == 0) return CAST_OK;
   uint8_t *leaves = calloc((size_t)p->n_fluid, 1);
   CAST_CHECK(leaves, err, CAST_ERR_MEMORY, "no memory to take out %td particles", gone);
   double joules = 0.0, mass = 0.0;
-  for (ptrdiff_t i = 0; i < p->n_fluid; i++)
-    if (has_left(sim, i)) {
-      leaves[i] = 1;
-      joules += p->mass[i] * p->E[i];
-      mass += p->mass[i];
-    }
-  remove_marked(p, leaves, gone);
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const ptrdiff_t through = exit_of(sim, i, out);
+    if (through < 0) continue;
+    leaves[i] = 1;
+    joules += p->mass[i] * p->E[i];
+    mass += p->mass[i];
+    escaped += through == out;
+    if (through < out) sim_pour_left(sim, through, p->mass[i], p->mass[i] * p->E[i]);
+  }
+  sim_remove_marked(sim, leaves, gone);
   free(leaves);
   coupling_record_removed(sim->coupling, joules);
-  if (sim->counts.removed == 0.0)
-    log_warn(sim->log, "melt leaves the mould: %td particles are taken out at t = %g ms; the summary counts them", gone,
-             1e3 * sim->counts.time);
+  if (escaped > 0 && sim->counts.escaped == 0.0)
+    log_warn(sim->log, "melt leaves the mould: %td particles are taken out at t = %g ms; the summary counts them",
+             escaped, 1e3 * sim->counts.time);
   sim->counts.removed += (double)gone;
+  sim->counts.escaped += (double)escaped;
   sim->counts.removed_mass += mass;
   return CAST_OK;
 }

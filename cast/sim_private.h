@@ -3,10 +3,12 @@
  *   sim_report.c  what is about to be computed   sim_output.c  what is written and when
  *   sim_curves.c  the CSV files                  sim_summary.c the account at the end
  *   sim_cool.c    the second stage               sim_drive.c   the forces of the moment
+ *   sim_pour.c    inlets and outlets
  *   sim_resume.c  checkpoints                    sim_escape.c  melt that leaves, melt where none may be */
 #ifndef CAST_SIM_PRIVATE_H
 #define CAST_SIM_PRIVATE_H
 
+#include <stdio.h>
 #include "cast/cool/cool.h"
 #include "cast/io/filling.h"
 #include "cast/io/freezing.h"
@@ -37,6 +39,7 @@ typedef struct SimCounts {
   double particle_steps;
   double guarded;       // times a particle was set back to the wall
   double removed;       // particles that left
+  double escaped;       // of them, other than through an outlet
   double removed_mass;  // kg
   double fastest;       // m/s, largest speed seen at an output
   double substeps_most; // of the exchange with the mould
@@ -49,6 +52,10 @@ typedef struct SimCounts {
   double cool[COOL_SIZE];              // what the second stage keeps
 } SimCounts;
 
+typedef struct Poured {           // through an inlet since the start (without its buffer at the start), or an outlet
+  double particles, mass, joules; // 1, kg, J
+} Poured;
+
 struct Sim {
   const CastConfig *config; // borrowed
   Log *log;                 // borrowed
@@ -58,7 +65,10 @@ struct Sim {
   SphParameters sph;
   double origin[3]; // m, a corner of the lattice
   Particles particles;
-  ptrdiff_t n_ids;                // fluid particles at the start
+  ptrdiff_t n_ids;                // ids of fluid particles are below it
+  Inlet *inlet;                   // [config->n_inlets]
+  uint8_t **outlet_patches;       // [config->n_outlets]
+  Poured *poured;                 // [n_inlets + n_outlets]
   double box_low[3], box_high[3]; // m; melt outside is taken out
   RomState *mould;
   OuterWalls *walls; // NULL: as in the ROM
@@ -69,6 +79,7 @@ struct Sim {
   Cool *cool; // NULL before the second stage
   SimCounts counts;
   bool rebuilt;   // the lists were made anew in the step in progress
+  bool lists_stale; // they must be made anew in the next step
   bool under_way; // positions and lists of the step in progress are done, the rest is not
   bool checkpoint_wanted;
   double gap, gap_at[3]; // m, the thinnest place of the cavity
@@ -86,8 +97,29 @@ void sim_set_forces(Sim *sim, double time); // gravity and spin of sim->sph
  * farthest wall of the cavity, at any time of the filling. */
 double sim_drive_gain(const Sim *sim);
 
+/* sim_pour.c */
+CastStatus sim_pour_create(Sim *sim, CastError *err);
+CastStatus sim_pour_add_buffers(Sim *sim, PointSet *points, CastError *err); // behind the points there; and ids
+void sim_pour_start(Sim *sim);                                               // their enthalpy and velocity
+void sim_pour_destroy(Sim *sim);
+void sim_pour_place(Sim *sim, double time);                   // after melt has moved
+void sim_pour_carry(Sim *sim);                                // after forces are known
+CastStatus sim_pour_feed(Sim *sim, CastError *err);           // at the end of a step
+bool sim_pour_is_over(const Sim *sim);                        // nothing comes any more
+CastStatus sim_pour_end(Sim *sim, CastError *err);            // whatever the input says
+double sim_pour_passed(const Sim *sim, size_t k);             // particles, through inlet k so far
+ptrdiff_t sim_pour_outlet(const Sim *sim, const double x[3]); // the outlet that melt at x has come to; -1: none
+void sim_pour_left(Sim *sim, ptrdiff_t outlet, double mass, double joules); // a particle, through the outlet
+size_t sim_pour_size(const Sim *sim);                                       // doubles; for checkpoints
+void sim_pour_save(const Sim *sim, double *buffer);
+void sim_pour_restore(Sim *sim, const double *buffer);
+void sim_pour_print(const Sim *sim, FILE *out);
+struct json_t *sim_pour_json(const Sim *sim, bool inlets); // new reference
+void sim_pour_report(const Sim *sim);
+
 /* sim_escape.c */
 CastStatus sim_remove_escaped(Sim *sim, CastError *err);
+void sim_remove_marked(Sim *sim, const uint8_t *leaves, ptrdiff_t gone); // gone: how many are marked
 CastStatus sim_check_inside(const Sim *sim, CastError *err); // Errors: CAST_ERR_NUMERIC: melt in the mould's solid
 
 /* sim_curves.c: the CSV files */

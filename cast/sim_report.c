@@ -54,7 +54,7 @@ static void report_volumes(const Sim *sim)
 {
   const Filling *f = sim->filling;
   const size_t features = filling_n_features(f);
-  const double melt = (double)sim->particles.n_fluid * pow(sim->config->spacing, 3.0);
+  const double melt = (double)sim->n_ids * pow(sim->config->spacing, 3.0); // what comes in included
   double needed = 0.0, in_all = 0.0;
   for (size_t s = 0; s < features; s++) {
     const bool starts_here = filling_fraction(f, s) > 0.05;
@@ -123,6 +123,7 @@ CastStatus sim_report(Sim *sim, CastError *err)
   report_mould(sim);
   report_walls(sim);
   report_melt(sim);
+  sim_pour_report(sim);
   report_volumes(sim);
   report_forces(sim);
   report_steps(sim);

@@ -10,7 +10,7 @@
 #include "common/h5.h"
 
 static const char FORMAT[] = "castrun checkpoint";
-enum { FORMAT_VERSION = 3 };
+enum { FORMAT_VERSION = 4 };
 
 /* ---- writing ---- */
 
@@ -94,6 +94,20 @@ static CastStatus write_freezing(const Sim *sim, hid_t file, CastError *err)
   return status;
 }
 
+/* What came in and left. */
+static CastStatus write_pouring(const Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = sim_pour_size(sim);
+  if (n == 0) return CAST_OK;
+  double *state = malloc(n * sizeof *state);
+  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory");
+  sim_pour_save(sim, state);
+  const CastStatus status =
+      write_doubles(file, "pouring", n, state, "", "inlets and outlets, as sim_pour packs it", err);
+  free(state);
+  return status;
+}
+
 static CastStatus write_progress(const Sim *sim, hid_t file, CastError *err)
 {
   const size_t n = filling_state_size(sim->filling);
@@ -118,6 +132,7 @@ static CastStatus write_all(const Sim *sim, hid_t file, CastError *err)
   CAST_CALL(write_particles(sim, file, err));
   CAST_CALL(write_mould(sim, file, err));
   CAST_CALL(write_freezing(sim, file, err));
+  CAST_CALL(write_pouring(sim, file, err));
   return write_progress(sim, file, err);
 }
 
@@ -193,8 +208,9 @@ static CastStatus restore_particles(Sim *sim, hid_t file, CastError *err)
   CAST_CALL(h5_read(file, "particles/n_melt", H5T_NATIVE_LLONG, 0, NULL, &read, err));
   const ptrdiff_t n_melt = (ptrdiff_t) * (long long *)read, n_wall = p->n - p->n_fluid;
   free(read);
-  CAST_CHECK(n_melt >= 0 && n_melt <= p->n_fluid, err, CAST_ERR_FORMAT,
-             "particles/n_melt is %td, at most %td are expected", n_melt, p->n_fluid);
+  CAST_CHECK(n_melt >= 0 && n_melt <= sim->n_ids, err, CAST_ERR_FORMAT,
+             "particles/n_melt is %td, at most %td are expected", n_melt, sim->n_ids);
+  if (n_melt > p->n_fluid) CAST_CALL(particles_add(p, n_melt - p->n_fluid, err));
   p->n_fluid = n_melt;
   p->n = n_melt + n_wall;
   ParticleField field[PARTICLE_FIELDS];
@@ -238,6 +254,18 @@ static CastStatus restore_freezing(Sim *sim, hid_t file, CastError *err)
   return status;
 }
 
+static CastStatus restore_pouring(Sim *sim, hid_t file, CastError *err)
+{
+  const size_t n = sim_pour_size(sim);
+  if (n == 0) return CAST_OK;
+  double *state = malloc(n * sizeof *state);
+  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory");
+  const CastStatus status = read_doubles(file, "pouring", n, state, err);
+  if (status == CAST_OK) sim_pour_restore(sim, state);
+  free(state);
+  return status;
+}
+
 static CastStatus restore_progress(Sim *sim, hid_t file, CastError *err)
 {
   const size_t n = filling_state_size(sim->filling);
@@ -274,6 +302,7 @@ static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *
   CAST_CALL(restore_particles(sim, file, err));
   CAST_CALL(restore_mould(sim, file, err));
   CAST_CALL(restore_freezing(sim, file, err));
+  CAST_CALL(restore_pouring(sim, file, err));
   CAST_CALL(restore_progress(sim, file, err));
   if (sim->counts.stage == STAGE_COOL) return sim_cool_resume(sim, err);
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));

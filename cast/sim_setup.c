@@ -67,6 +67,11 @@ static double choose_sound_speed(const Sim *sim)
     const double *v = c->block[b].velocity;
     fastest2 = fmax(fastest2, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
+  for (size_t k = 0; k < c->n_inlets; k++)
+    for (size_t i = 0; i < c->inlet[k].rate.n; i++) {
+      const double speed = inlet_speed(&sim->inlet[k], c->inlet[k].rate.x[i]);
+      fastest2 = fmax(fastest2, speed * speed);
+    }
   for (size_t i = 0; i < c->drive.n; i++) {
     double g2 = 0.0;
     for (int d = 0; d < 3; d++)
@@ -91,7 +96,6 @@ static void set_sph(Sim *sim)
                              .cut_tension = c->cut_tension,
                              .melt = &c->melt};
   sim_set_forces(sim, 0.0);
-  sim->sph.c0 = choose_sound_speed(sim);
 }
 
 CastStatus sim_setup_geometry(Sim *sim, CastError *err)
@@ -109,6 +113,8 @@ CastStatus sim_setup_geometry(Sim *sim, CastError *err)
   CAST_CALL(surface_create(sim->rom, neighbours_range(support, neighbours_skin(c->spacing)), &sim->surface, err));
   choose_origin(sim);
   set_sph(sim);
+  CAST_CALL(sim_pour_create(sim, err));
+  sim->sph.c0 = choose_sound_speed(sim);
   return CAST_OK;
 }
 
@@ -231,6 +237,7 @@ static CastStatus place_melt(Sim *sim, PointSet *points, Region *region, size_t 
     pool->end = points->n;
   }
   CAST_CALL(check_overlap(sim, points, err));
+  CAST_CALL(sim_pour_add_buffers(sim, points, err));
   WallSet walls = {0};
   CAST_CALL(walls_generate(sim->surface, c->spacing, kernel_support(c->kernel) * sim->sph.h, sim->origin, &walls, err));
   const CastStatus status =
@@ -251,7 +258,7 @@ CastStatus sim_setup_particles(Sim *sim, CastError *err)
   free(region);
   CAST_CALL(status);
   for (ptrdiff_t i = sim->particles.n_fluid; i < sim->particles.n; i++) sim->particles.T[i] = sim->config->preheat;
-  sim->n_ids = sim->particles.n_fluid;
+  sim_pour_start(sim);
   sph_initialise(&sim->sph, &sim->particles);
   set_box(sim);
   return CAST_OK;

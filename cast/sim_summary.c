@@ -82,7 +82,8 @@ static void print_filling(FILE *out, const Sim *sim)
 static void print_energy(FILE *out, const EnergyLedger *e)
 {
   fprintf(out, "Energy\n");
-  fprintf(out, "  melt has given up        %14.6e J\n", e->melt_start - e->melt_now - e->removed);
+  fprintf(out, "  melt has given up        %14.6e J\n", e->melt_start + e->added - e->melt_now - e->removed);
+  if (e->added != 0.0) fprintf(out, "  came in with melt        %14.6e J\n", e->added);
   fprintf(out, "  mould holds more         %14.6e J   (from its state, 1^T E V z)\n", e->mould_now);
   fprintf(out, "  lost to the surroundings %14.6e J\n", e->lost);
   if (e->removed != 0.0) fprintf(out, "  left with melt           %14.6e J\n", e->removed);
@@ -176,6 +177,7 @@ static void print_text(FILE *out, const Sim *sim, const Account *a)
           sim->particles.n_fluid, n->removed, 1e3 * n->removed_mass, n->guarded);
   fprintf(out, "  largest speed seen %.3g m/s, %.1f %% of the numerical sound speed %.4g m/s\n", n->fastest,
           100.0 * n->fastest / sim->sph.c0, sim->sph.c0);
+  sim_pour_print(sim, out);
   print_freezing(out, sim);
   print_stages(out, sim);
   print_work(out, sim, a);
@@ -206,10 +208,10 @@ static json_t *filling_object(const Filling *f, size_t s)
 
 static json_t *ledger_object(const EnergyLedger *e)
 {
-  return json_pack("{so so so so so so so so}", "melt_start", number(e->melt_start), "melt_now", number(e->melt_now),
-                   "mould", number(e->mould_now), "lost", number(e->lost), "removed", number(e->removed), "exchanged",
-                   number(e->exchanged), "residual", number(e->residual), "residual_relative",
-                   number(e->exchanged > 0.0 ? fabs(e->residual) / e->exchanged : 0.0));
+  return json_pack("{so so so so so so so so so}", "melt_start", number(e->melt_start), "melt_now", number(e->melt_now),
+                   "mould", number(e->mould_now), "lost", number(e->lost), "removed", number(e->removed), "added",
+                   number(e->added), "exchanged", number(e->exchanged), "residual", number(e->residual),
+                   "residual_relative", number(e->exchanged > 0.0 ? fabs(e->residual) / e->exchanged : 0.0));
 }
 
 static json_t *work_object(const Sim *sim, const Account *a)
@@ -272,6 +274,10 @@ static char *json_text(const Sim *sim, const Account *a)
                 number(n->fastest), "particles", (json_int_t)sim->particles.n_fluid, "spacing_m",
                 number(sim->config->spacing), "sound_speed_m_s", number(sim->sph.c0), "work", work_object(sim, a),
                 "warnings", log_warning_count(sim->log), "provenance", provenance_object(sim_output_provenance(sim)));
+  if (root) {
+    json_object_set_new(root, "inlets", sim_pour_json(sim, true));
+    json_object_set_new(root, "outlets", sim_pour_json(sim, false));
+  }
   char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(15)) : NULL;
   json_decref(root);
   return text;

@@ -12,8 +12,7 @@ void points_destroy(PointSet *points)
   *points = (PointSet){0};
 }
 
-/* Room for `more` points; n is left as it is. */
-static CastStatus reserve(PointSet *points, ptrdiff_t more, CastError *err)
+CastStatus points_reserve(PointSet *points, ptrdiff_t more, CastError *err)
 {
   for (int k = 0; k < 3; k++) {
     double *grown = realloc(points->x[k], (size_t)(points->n + more + 1) * sizeof *grown);
@@ -23,7 +22,7 @@ static CastStatus reserve(PointSet *points, ptrdiff_t more, CastError *err)
   return CAST_OK;
 }
 
-static bool is_clear(const Surface *surface, const double x[3], double clearance)
+bool placement_is_clear(const Surface *surface, const double x[3], double clearance)
 {
   SurfaceHit hit;
   if (surface_nearest(surface, x, clearance * (1.0 - 1.0e-9), &hit)) return false;
@@ -70,7 +69,7 @@ static CastStatus append_wanted(const LatticeRange *range, const uint8_t *wanted
   CAST_CHECK(n > 0, err, CAST_ERR_INPUT,
              "no room for melt: none of %td lattice points is outside the mould and %g m from its wall", cells,
              CLEARANCE * spacing);
-  CAST_CALL(reserve(points, n, err));
+  CAST_CALL(points_reserve(points, n, err));
   for (ptrdiff_t c = 0; c < cells; c++) {
     double x[3];
     if (!wanted[c]) continue;
@@ -95,7 +94,7 @@ CastStatus placement_add_block(const Surface *surface, double spacing, const dou
   for (ptrdiff_t c = 0; c < cells; c++) {
     double x[3];
     range_point(&range, c, spacing, origin, x);
-    wanted[c] = is_clear(surface, x, CLEARANCE * spacing) ? 1 : 0;
+    wanted[c] = placement_is_clear(surface, x, CLEARANCE * spacing) ? 1 : 0;
   }
   const CastStatus status = append_wanted(&range, wanted, spacing, origin, points, err);
   free(wanted);
@@ -111,7 +110,7 @@ static void thin_out(const CavityMask *mask, const LatticeRange *range, double l
     if (!mask->is_cavity[c]) continue;
     double x[3];
     range_point(range, c, mask->spacing, mask->origin, x);
-    bool keep = x[2] < level && is_clear(mask->surface, x, CLEARANCE * mask->spacing);
+    bool keep = x[2] < level && placement_is_clear(mask->surface, x, CLEARANCE * mask->spacing);
     for (int k = 0; k < 3; k++)
       keep = keep && x[k] > mask->surface->cavity_low[k] && x[k] < mask->surface->cavity_high[k];
     mask->is_cavity[c] = keep ? 1 : 0;

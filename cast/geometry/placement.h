@@ -9,6 +9,10 @@ typedef struct PointSet {
   double *x[3]; // m
 } PointSet;
 void points_destroy(PointSet *points);
+/* Room for `more` points; n is left as it is. Errors: CAST_ERR_MEMORY. */
+CastStatus points_reserve(PointSet *points, ptrdiff_t more, CastError *err);
+/* Is x outside the mould, and its surface at least `clearance` m away? */
+bool placement_is_clear(const Surface *surface, const double x[3], double clearance);
 
 /* Lattice points origin + (i + 1/2) spacing inside the box [corner, corner + size] that are outside the mould and at
  * least 0.4 spacing from its surface; appended to `points` (start from a zeroed set). Errors: CAST_ERR_INPUT if none.

@@ -186,8 +186,10 @@ EnergyLedger coupling_ledger(const Coupling *c, const RomState *state, const Par
                          .mould_now = rom_state_heat(state),
                          .lost = rom_state_lost(state) + total_of(&c->absorbed),
                          .exchanged = total_of(&c->exchanged),
-                         .removed = total_of(&c->removed)};
-  ledger.residual = (ledger.melt_now - ledger.melt_start) + ledger.mould_now + ledger.lost + ledger.removed;
+                         .removed = total_of(&c->removed),
+                         .added = total_of(&c->added)};
+  ledger.residual =
+      (ledger.melt_now - ledger.melt_start) + ledger.mould_now + ledger.lost + ledger.removed - ledger.added;
   return ledger;
 }
 
@@ -196,10 +198,16 @@ void coupling_record_removed(Coupling *c, double joules)
   total_add(&c->removed, joules);
 }
 
+void coupling_record_added(Coupling *c, double joules)
+{
+  total_add(&c->added, joules);
+}
+
 void coupling_save(const Coupling *c, double buffer[COUPLING_SIZE])
 {
-  const double all[COUPLING_SIZE] = {c->melt_start,  c->exchanged.value, c->exchanged.low, c->removed.value,
-                                     c->removed.low, c->absorbed.value,  c->absorbed.low};
+  const double all[COUPLING_SIZE] = {c->melt_start,    c->exchanged.value, c->exchanged.low,
+                                     c->removed.value, c->removed.low,     c->absorbed.value,
+                                     c->absorbed.low,  c->added.value,     c->added.low};
   for (int k = 0; k < COUPLING_SIZE; k++) buffer[k] = all[k];
 }
 
@@ -209,4 +217,5 @@ void coupling_restore(Coupling *c, const double buffer[COUPLING_SIZE])
   c->exchanged = (Total){buffer[1], buffer[2]};
   c->removed = (Total){buffer[3], buffer[4]};
   c->absorbed = (Total){buffer[5], buffer[6]};
+  c->added = (Total){buffer[7], buffer[8]};
 }

@@ -78,11 +78,13 @@ typedef struct EnergyLedger {
   double lost;                 // J to the surroundings; with a frozen mould what went into that
   double exchanged;            // J, sum over steps and patches of |q| dt
   double removed;              // J carried by melt that left through an opening (0 if none)
-  double residual;             // J: melt_now - melt_start + mould_now + lost + removed
+  double added;                // J carried by melt that came in since the start
+  double residual;             // J: melt_now - melt_start + mould_now + lost + removed - added
 } EnergyLedger;
 EnergyLedger coupling_ledger(const Coupling *coupling, const RomState *state, const Particles *particles);
-/* Melt left with this enthalpy, J (negative: it came in). */
+/* Melt left, or came in, with this enthalpy, J. */
 void coupling_record_removed(Coupling *coupling, double joules);
+void coupling_record_added(Coupling *coupling, double joules);
 
 /* ---- for the cooling stage, which solves melt and mould together ---- */
 
@@ -108,7 +110,7 @@ CouplingContacts coupling_conductances(Coupling *coupling, const Particles *part
 void coupling_record_flows(Coupling *coupling, const RomState *state, Particles *particles, const double *q, double dt);
 
 /* For checkpoints: everything that changes during a run and is not made anew by coupling_rebuild. */
-enum { COUPLING_SIZE = 7 }; // doubles
+enum { COUPLING_SIZE = 9 }; // doubles
 void coupling_save(const Coupling *coupling, double buffer[COUPLING_SIZE]);
 void coupling_restore(Coupling *coupling, const double buffer[COUPLING_SIZE]);
 #endif

@@ -42,7 +42,7 @@ struct Coupling {
   double eigenvalue[STEP_TABLE]; // m2 K/W, g(dt) at dt = 2^((index - STEP_ZERO)/STEPS_PER_OCTAVE) s; NAN: not yet known
   long substeps;
   double melt_start;                  // J
-  Total exchanged, removed, absorbed; // J
+  Total exchanged, removed, added, absorbed; // J
 };
 
 static inline void total_add(Total *total, double term)

@@ -111,6 +111,67 @@ CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacin
   return CAST_OK;
 }
 
+/* ---- growing ---- */
+
+enum { GROWING = PARTICLE_FIELDS + 2 }; // the fields, id, record
+
+/* Where the arrays of all [n] fields are kept, and the bytes of an entry. */
+static void growing_arrays(Particles *p, void **array[GROWING], size_t size[GROWING])
+{
+  double **const scalar[] = {&p->rho, &p->drho,  &p->p,  &p->mass,      &p->volume,    &p->E,        &p->heat,
+                             &p->T,   &p->kappa, &p->mu, &p->rho_start, &p->drho_last, &p->clearance};
+  int k = 0;
+  for (size_t f = 0; f < sizeof scalar / sizeof *scalar; f++) array[k++] = (void **)scalar[f];
+  for (int d = 0; d < 3; d++) {
+    array[k++] = (void **)&p->x[d];
+    array[k++] = (void **)&p->v[d];
+    array[k++] = (void **)&p->a[d];
+  }
+  for (int f = 0; f < k; f++) size[f] = sizeof(double);
+  array[k] = (void **)&p->id;
+  size[k++] = sizeof *p->id;
+  array[k] = (void **)&p->record;
+  size[k++] = RECORD_SIZE * sizeof *p->record;
+}
+
+/* Arrays for `capacity` fluid particles with the same content, all or none. */
+static bool grow(Particles *p, ptrdiff_t capacity)
+{
+  void **array[GROWING], *made[GROWING];
+  size_t size[GROWING];
+  growing_arrays(p, array, size);
+  const ptrdiff_t n_wall = p->n - p->n_fluid;
+  bool ok = true;
+  for (int k = 0; k < GROWING; k++) ok = (made[k] = allocate(capacity + n_wall, size[k])) && ok;
+  for (int k = 0; k < GROWING; k++) {
+    if (ok) memcpy(made[k], *array[k], (size_t)p->n * size[k]);
+    free(ok ? *array[k] : made[k]);
+    if (ok) *array[k] = made[k];
+  }
+  if (ok) p->capacity_fluid = capacity;
+  return ok;
+}
+
+CastStatus particles_add(Particles *p, ptrdiff_t more, CastError *err)
+{
+  const ptrdiff_t n_fluid = p->n_fluid + more, n_wall = p->n - p->n_fluid;
+  CAST_CHECK(n_fluid + n_wall < INT32_MAX, err, CAST_ERR_ARGUMENT, "particles: %td are too many, the most is %d",
+             n_fluid + n_wall, INT32_MAX - 1);
+  if (n_fluid > p->capacity_fluid && !grow(p, n_fluid + n_fluid / 4))
+    return cast_error_set(err, CAST_ERR_MEMORY, "particles: no memory for %td of them", n_fluid + n_wall);
+  void **array[GROWING];
+  size_t size[GROWING];
+  growing_arrays(p, array, size);
+  for (int k = 0; k < GROWING; k++) {
+    char *bytes = *array[k];
+    memmove(bytes + (size_t)n_fluid * size[k], bytes + (size_t)p->n_fluid * size[k], (size_t)n_wall * size[k]);
+    memset(bytes + (size_t)p->n_fluid * size[k], 0, (size_t)more * size[k]);
+  }
+  p->n_fluid = n_fluid;
+  p->n = n_fluid + n_wall;
+  return CAST_OK;
+}
+
 void particles_destroy(Particles *p)
 {
   if (!p) return;

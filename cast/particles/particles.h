@@ -58,6 +58,10 @@ void particles_fields(const Particles *particles, ParticleField field[PARTICLE_F
  */
 CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacing, double rho0, const WallSet *walls,
                             Particles *particles, CastError *err);
+/* `more` fluid particles behind those there, all their fields zero; walls stay what they are, at higher indices, and
+ * pointers into the arrays become stale. Errors: CAST_ERR_MEMORY, CAST_ERR_ARGUMENT (too many); nothing has changed
+ * then. */
+CastStatus particles_add(Particles *particles, ptrdiff_t more, CastError *err);
 void particles_destroy(Particles *particles);
 
 #endif

@@ -335,6 +335,53 @@ static void forces_that_change_with_time_arrive_and_are_written_again(void **sta
   }
 }
 
+/* LEAST with other melt. */
+static void inlets_and_outlets_arrive_and_are_written_again(void **state)
+{
+  (void)state;
+  char text[2048];
+  const char *old = "  blocks: [{ corner: [0 mm, 0 mm, 0 mm], size: [1 mm, 2 mm, 3 mm] }]\n", *at = strstr(LEAST, old);
+  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST,
+           "  inlets:\n"
+           "    - { disc: { centre: 1 2 3 mm, radius: 4 mm }, direction: [0, 0, -2], velocity: 0.3 m/s }\n"
+           "    - rectangle: { centre: 0 0 9 mm, along: [1, 1, 0], width: 5 mm, height: 6 mm }\n"
+           "      direction: [0, 0, 1]\n"
+           "      mass_flow: [[0 s, 3.3 g/s], [1.1 s, 0 g/s]]\n"
+           "      temperature: [[0 s, 1150 degC], [1 s, 1160 degC]]\n"
+           "      at_end: plug\n"
+           "  outlets: [{ surface: a vent }, { box: { corner: 1 2 3 mm, size: 4 5 6 mm } }, "
+           "{ plane: { point: 1 2 3 m, normal: [0, 3, 4] } }]\n",
+           at + strlen(old));
+  CastConfig *config = read_text(text, "cast.yaml");
+  for (int turn = 0; turn < 2; turn++) {
+    assert_int_equal(config->n_inlets, 2);
+    const InletConfig *disc = &config->inlet[0], *rectangle = &config->inlet[1];
+    assert_true(disc->disc && !disc->stays && disc->kind == INLET_VELOCITY);
+    assert_close(disc->radius, 4e-3, 1e-17);
+    assert_close(disc->direction[2], -1.0, 0.0);
+    assert_close(table_evaluate(&disc->temperature, 9.0), 1423.15, 1e-9); // the melt's
+    assert_true(!rectangle->disc && rectangle->stays && rectangle->kind == INLET_MASS_FLOW);
+    assert_close(rectangle->along[1], sqrt(0.5), 1e-15);
+    assert_close(rectangle->rate.y[0], 3.3e-3, 1e-17);
+    assert_close(rectangle->rate.x[1], 1.1, 0.0);
+    assert_close(rectangle->temperature.y[1], 1433.15, 1e-9);
+    assert_close(rectangle->height, 6e-3, 1e-17);
+    assert_int_equal(config->n_outlets, 3);
+    assert_string_equal(config->outlet[0].surface, "a vent");
+    assert_int_equal(config->outlet[1].kind, OUTLET_BOX);
+    assert_close(config->outlet[1].size[2], 6e-3, 1e-17);
+    assert_int_equal(config->outlet[2].kind, OUTLET_PLANE);
+    assert_close(config->outlet[2].normal[1], 0.6, 1e-15);
+    char *resolved = NULL;
+    CastError err = {0};
+    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
+    cast_config_destroy(&config);
+    config = read_text(resolved, "/elsewhere/resolved.yaml");
+    free(resolved);
+  }
+  cast_config_destroy(&config);
+}
+
 static void a_sound_speed_that_was_chosen_stands_in_the_resolved_input(void **state)
 {
   (void)state;
@@ -386,6 +433,7 @@ int main(void)
       cmocka_unit_test(the_resolved_input_reads_again_to_the_same_bits),
       cmocka_unit_test(contact_tables_and_surfaces_arrive_and_are_written_again),
       cmocka_unit_test(forces_that_change_with_time_arrive_and_are_written_again),
+      cmocka_unit_test(inlets_and_outlets_arrive_and_are_written_again),
       cmocka_unit_test(outer_walls_arrive_and_are_written_again),
       cmocka_unit_test(a_sound_speed_that_was_chosen_stands_in_the_resolved_input),
       cmocka_unit_test(all_faults_are_told_at_once),
