@@ -44,6 +44,7 @@ static CastStatus build(Sim *sim, CastError *err)
   CAST_CALL(filling_create(sim->surface, sim->rom, c->spacing, sim->origin, &sim->filling, err));
   CAST_CALL(filling_set_part(sim->filling, c->n_part, c->part, err));
   CAST_CALL(freezing_create(&c->melt, sim->n_ids, &sim->freezing, err));
+  freezing_watch_gradient(sim->freezing, &sim->sph, sim->neighbours);
   freezing_update(sim->freezing, &sim->particles, 0.0);
   return first_rates(sim, err);
 }

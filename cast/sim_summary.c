@@ -133,14 +133,12 @@ static Range freezing_range(const Sim *sim, FreezingField field)
 
 static void print_freezing(FILE *out, const Sim *sim)
 {
-  static const char *const names[FREEZING_FIELDS] = {"below the liquidus at", "below the solidus at",
-                                                     "solidification time", "cooling rate"};
-  static const char *const units[FREEZING_FIELDS] = {"s", "s", "s", "K/s"};
   for (int f = 0; f < FREEZING_FIELDS; f++) {
     const Range r = freezing_range(sim, (FreezingField)f);
     if (r.least > r.most) continue; // nothing froze
     if (f == 0) fprintf(out, "Freezing                      least        mean        most\n");
-    fprintf(out, "  %-22s%11.5g %11.5g %11.5g %s\n", names[f], r.least, r.mean, r.most, units[f]);
+    fprintf(out, "  %-22s%11.5g %11.5g %11.5g %s\n", freezing_texts[f].name, r.least, r.mean, r.most,
+            freezing_texts[f].units);
   }
 }
 
@@ -237,11 +235,12 @@ static json_t *provenance_object(const Provenance *p)
 
 static json_t *freezing_object(const Sim *sim)
 {
-  static const char *const names[FREEZING_FIELDS] = {"liquidus_time_s", "solidus_time_s", "solidification_time_s",
-                                                     "cooling_rate_K_s"};
+  static const char *const JSON_NAMES[FREEZING_FIELDS] = {
+      "liquidus_time_s",  "solidus_time_s", "solidification_time_s", "cooling_rate_K_s", "final_cooling_rate_K_s",
+      "gradient_K_per_m", "niyama_SI",      "arm_spacing_m",         "remelted"};
   json_t *all = json_object();
   for (int f = 0; f < FREEZING_FIELDS; f++)
-    json_object_set_new(all, names[f], range_object(freezing_range(sim, (FreezingField)f)));
+    json_object_set_new(all, JSON_NAMES[f], range_object(freezing_range(sim, (FreezingField)f)));
   return all;
 }
 

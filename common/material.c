@@ -93,6 +93,16 @@ static YamlNode required_property(YamlNode map, const char *key)
 
 static const double HALF_TURN = 3.1415926536; // rad, above pi: 180 deg is allowed however it is rounded
 
+/* Secondary arms coarsen with the cube root of time where diffusion limits it (Kattamis, Coughlin & Flemings 1967). */
+static void read_arms(YamlNode map, Material *material)
+{
+  const YamlNode spacing = material_property(map, "arm_spacing_at_1s"),
+                 exponent = material_property(map, "arm_spacing_exponent");
+  material->arm_spacing_at_1s = yaml_quantity(spacing, "m", YAML_POSITIVE, NAN);
+  material->arm_spacing_exponent = yaml_quantity(exponent, "1", (YamlRange){0.1, 0.6, false}, 1.0 / 3.0);
+  if (yaml_exists(exponent) && !yaml_exists(spacing)) yaml_problem(exponent, "belongs to arm_spacing_at_1s");
+}
+
 static void read_flow(YamlNode map, Material *material)
 {
   read_function(material_property(map, "viscosity"), "Pa.s", YAML_POSITIVE, &material->viscosity_of_t, NULL);
@@ -104,6 +114,7 @@ static void read_flow(YamlNode map, Material *material)
       yaml_quantity(material_property(map, "coherency_fraction"), "1", (YamlRange){0.0, 1.0, true}, NAN);
   material->dendrite_arm_spacing =
       yaml_quantity(material_property(map, "dendrite_arm_spacing"), "m", YAML_POSITIVE, NAN);
+  read_arms(map, material);
 }
 
 static void read_name(YamlNode map, const char *fallback, Material *material)
@@ -138,7 +149,9 @@ static void clear(Material *material)
                          .surface_tension = NAN,
                          .contact_angle = NAN,
                          .coherency_fraction = NAN,
-                         .dendrite_arm_spacing = NAN};
+                         .dendrite_arm_spacing = NAN,
+                         .arm_spacing_at_1s = NAN,
+                         .arm_spacing_exponent = 1.0 / 3.0};
 }
 
 static CastStatus keep_text(const char *text, size_t n, Material *material, CastError *err)

@@ -26,6 +26,8 @@ typedef struct Material {
   double contact_angle;         // rad, on the mould; NAN if not given
   double coherency_fraction;    // solid fraction at which flow stops; NAN if not given
   double dendrite_arm_spacing;  // m, of the mush that drags on the flow; NAN if not given: none does
+  double arm_spacing_at_1s;     // m, of secondary arms after a local solidification time of 1 s; NAN if not given
+  double arm_spacing_exponent;  // 1, their spacing grows with that power of it
 } Material;
 
 /* Read the material that `node` names: a scalar is the name of a file share/materials/NAME.yaml (searched in

@@ -7,7 +7,8 @@
 
 #include "cast/io/xmf.h"
 
-static const VtkField FIELDS[] = {
+static const VtkField STATE[] = {
+    // the fields of freezing_texts follow
     {"id", "1", "a particle's number, kept for its whole life", 1, true},
     {"temperature", "K", "temperature", 1, false},
     {"enthalpy", "J/kg", "enthalpy", 1, false},
@@ -15,15 +16,12 @@ static const VtkField FIELDS[] = {
     {"velocity", "m/s", "velocity", 3, false},
     {"pressure", "Pa", "pressure", 1, false},
     {"density", "kg/m3", "density", 1, false},
-    {"liquidus_time", "s", "when it last fell below the liquidus; NaN: has not", 1, false},
-    {"solidus_time", "s", "when it last fell below the solidus; NaN: has not", 1, false},
-    {"solidification_time", "s", "local: from liquidus to solidus", 1, false},
-    {"cooling_rate", "K/s", "mean over the freezing range", 1, false},
 };
-enum { N_FIELDS = sizeof FIELDS / sizeof FIELDS[0], XMF_EACH = 128 };
+enum { N_STATE = sizeof STATE / sizeof STATE[0], N_FIELDS = N_STATE + FREEZING_FIELDS, XMF_EACH = 128 };
 
 struct MeltResults {
   VtkSeries *series;
+  VtkField field[N_FIELDS];
   char path[4096], xmf_path[4096];
   const Material *melt;
   const Freezing *freezing; // NULL: not followed
@@ -40,6 +38,11 @@ static CastStatus allocate(const char *folder, const Material *melt, ptrdiff_t n
   CAST_CHECK(made, err, CAST_ERR_MEMORY, "no memory for the results");
   made->melt = melt;
   made->n_ids = n_ids;
+  memcpy(made->field, STATE, sizeof STATE);
+  for (int f = 0; f < FREEZING_FIELDS; f++) {
+    const FreezingText *text = &freezing_texts[f];
+    made->field[N_STATE + f] = (VtkField){text->name, text->units, text->description, 1, false};
+  }
   snprintf(made->path, sizeof made->path, "%.4000s/results.vtkhdf", folder);
   snprintf(made->xmf_path, sizeof made->xmf_path, "%.4000s/results.xmf", folder);
   const size_t n = (size_t)n_ids + 1;
@@ -54,9 +57,10 @@ CastStatus melt_results_open(const char *folder, const Material *melt, ptrdiff_t
                              MeltResults **results, CastError *err)
 {
   CastStatus status = allocate(folder, melt, n_ids, results, err);
+  MeltResults *made = *results;
   if (status == CAST_OK)
-    status = n_steps == 0 ? vtk_series_create((*results)->path, N_FIELDS, FIELDS, NULL, &(*results)->series, err)
-                          : vtk_series_reopen((*results)->path, N_FIELDS, FIELDS, n_steps, &(*results)->series, err);
+    status = n_steps == 0 ? vtk_series_create(made->path, N_FIELDS, made->field, NULL, &made->series, err)
+                          : vtk_series_reopen(made->path, N_FIELDS, made->field, n_steps, &made->series, err);
   if (status != CAST_OK) melt_results_close(results);
   return status;
 }
@@ -125,8 +129,7 @@ CastStatus melt_results_append(MeltResults *r, double time, const Particles *p, 
   const float *pressure = gather_scalar(r, p->p, n, next += 3 * n);
   const float *density = gather_scalar(r, p->rho, n, next += n);
   const void *values[N_FIELDS] = {r->id, temperature, enthalpy, solid, velocity, pressure, density};
-  for (int f = 0; f < FREEZING_FIELDS; f++)
-    values[N_FIELDS - FREEZING_FIELDS + f] = gather_freezing(r, (FreezingField)f, n, next += n);
+  for (int f = 0; f < FREEZING_FIELDS; f++) values[N_STATE + f] = gather_freezing(r, (FreezingField)f, n, next += n);
   CAST_CALL(vtk_series_append(r->series, time, (size_t)n, points, values, err));
   const size_t steps = vtk_series_n_steps(r->series);
   return steps <= XMF_EACH || steps % XMF_EACH == 0 ? melt_results_finish(r, err) : CAST_OK;

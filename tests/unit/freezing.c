@@ -10,7 +10,11 @@
 #include "tests/support/assert_close.h"
 
 static double T_range[2] = {1000.0, 1100.0}, fractions[2] = {1.0, 0.0};
-static const Material melt = {.liquidus = 1100.0, .solidus = 1000.0, .solid_fraction = {2, T_range, fractions}};
+static const Material melt = {.liquidus = 1100.0,
+                              .solidus = 1000.0,
+                              .solid_fraction = {2, T_range, fractions},
+                              .arm_spacing_at_1s = 10e-6,
+                              .arm_spacing_exponent = 0.5};
 
 static Particles two_particles(void)
 {
@@ -75,6 +79,27 @@ static void what_remelts_freezes_anew(void **state)
   update(f, &p, 3.0, 950.0, 1050.0);
   assert_close(freezing_value(f, FREEZING_SOLIDUS_TIME, 0), 2.5, 1e-12);
   assert_close(freezing_value(f, FREEZING_LIQUIDUS_TIME, 1), 2.5, 1e-12);
+  assert_true(freezing_value(f, FREEZING_REMELTED, 0) == 1.0);
+  update(f, &p, 4.0, 1010.0, 1010.0); // the second was never solid
+  assert_true(freezing_value(f, FREEZING_REMELTED, 0) == 2.0);
+  assert_true(freezing_value(f, FREEZING_REMELTED, 1) == 1.0);
+  freezing_destroy(&f);
+  particles_destroy(&p);
+}
+
+static void the_rate_at_the_end_is_that_of_the_last_fifth_and_arms_follow_the_local_time(void **state)
+{
+  (void)state;
+  Particles p = two_particles();
+  Freezing *f = start(&melt, &p);
+  update(f, &p, 1.0, 1050.0, 1190.0); // 1100 at 0.5 s
+  update(f, &p, 2.0, 1020.0, 1180.0); // the last fifth begins at 2 s
+  update(f, &p, 6.0, 980.0, 1170.0);  // 1000 at 4 s
+  assert_close(freezing_value(f, FREEZING_FINAL_RATE, 0), 20.0 / 2.0, 1e-12);
+  assert_close(freezing_value(f, FREEZING_COOLING_RATE, 0), 100.0 / 3.5, 1e-12);
+  assert_close(freezing_value(f, FREEZING_ARM_SPACING, 0), 10e-6 * sqrt(3.5), 1e-15);
+  assert_true(isnan(freezing_value(f, FREEZING_GRADIENT, 0))); // nobody asked for gradients
+  assert_true(isnan(freezing_value(f, FREEZING_NIYAMA, 0)));
   freezing_destroy(&f);
   particles_destroy(&p);
 }
@@ -85,12 +110,13 @@ static void a_checkpoint_keeps_it_all(void **state)
   Particles p = two_particles();
   Freezing *f = start(&melt, &p), *g = start(&melt, &p);
   update(f, &p, 1.0, 1050.0, 1190.0);
-  double buffer[16];
-  assert_true(freezing_size(f) <= 16);
+  double buffer[32];
+  assert_true(freezing_size(f) <= 32);
   freezing_save(f, buffer);
   freezing_restore(g, buffer);
   update(g, &p, 3.0, 950.0, 990.0);
   assert_close(freezing_value(g, FREEZING_SOLIDIFICATION_TIME, 0), 1.5, 1e-12);
+  assert_close(freezing_value(g, FREEZING_FINAL_RATE, 0), 50.0, 1e-12);
   assert_close(freezing_value(g, FREEZING_SOLIDUS_TIME, 1), 2.9, 1e-12);
   freezing_destroy(&f);
   freezing_destroy(&g);
@@ -114,6 +140,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(times_lie_between_the_updates_and_follow_the_particle_not_its_place),
       cmocka_unit_test(what_remelts_freezes_anew),
+      cmocka_unit_test(the_rate_at_the_end_is_that_of_the_last_fifth_and_arms_follow_the_local_time),
       cmocka_unit_test(a_checkpoint_keeps_it_all),
       cmocka_unit_test(what_has_no_freezing_range_never_freezes),
   };
