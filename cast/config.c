@@ -174,7 +174,7 @@ static CastStatus read_part(YamlNode node, CastConfig *config, CastError *err)
 {
   if (!yaml_exists(node)) return CAST_OK;
   if (!yaml_is_sequence(node) || yaml_count(node) == 0) {
-    yaml_problem(node, "a list of the cavity surfaces that make up the part is expected: [disc, pins]");
+    yaml_problem(node, "a list of the cavity surfaces and features that make up the part is expected: [disc, pins]");
     return CAST_OK;
   }
   config->part = calloc(yaml_count(node), sizeof *config->part);
@@ -246,6 +246,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   CAST_CALL(config_read_walls(yaml_get(root, "walls"), config, err));
   read_sph(yaml_require(root, "sph"), config);
   read_time(yaml_require(root, "time"), config);
+  CAST_CALL(config_read_features(yaml_get(root, "features"), config, err));
   CAST_CALL(read_part(yaml_get(root, "part"), config, err));
   CAST_CALL(read_output(yaml_require(root, "output"), config, err));
   check_sound_speed(root, config);
@@ -278,6 +279,7 @@ void cast_config_destroy(CastConfig **config)
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);
   free(old->block);
   free(old->wall);
+  free(old->feature);
   free(old->part);
   free(old->output.probe);
   free(old->output.tracer);

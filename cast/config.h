@@ -2,6 +2,7 @@
 #ifndef CAST_CONFIG_H
 #define CAST_CONFIG_H
 
+#include "cast/io/filling.h"
 #include "cast/mould/coupling.h"
 #include "cast/physics/drive.h"
 #include "cast/pour/inlet.h"
@@ -69,8 +70,10 @@ typedef struct CastConfig {
   double step; // s; 0: from the limits of sph_time_step and of the exchange with the mould
   RomScheme scheme;
   size_t n_walls;
-  OuterWall *wall;               // outer surfaces under other conditions than in the ROM
-  size_t n_part;                 // cavity surfaces that make up the part; 0: not said
+  OuterWall *wall; // outer surfaces under other conditions than in the ROM
+  size_t n_features;
+  FeatureBox *feature;           // boxes whose filling is told
+  size_t n_part;                 // cavity surfaces and features that make up the part; 0: not said
   char (*part)[ROM_NAME_LENGTH]; // [n_part]
   OutputConfig output;
   char *input_path, *input_text;

@@ -1,6 +1,7 @@
 /* config_private.h - what the files of the configuration share.
  *   config.c  reading   config_contact.c  `contact:`, both ways   config_walls.c  `walls:`, both ways
  *   config_forces.c  `forces:`, both ways   config_pour.c  `melt.inlets:`, `melt.outlets:`, both ways
+ *   config_features.c  `features:`, both ways
  *   config_resolved.c  writing */
 #ifndef CAST_CONFIG_PRIVATE_H
 #define CAST_CONFIG_PRIVATE_H
@@ -22,6 +23,8 @@ CastStatus config_read_pour(YamlNode melt, CastConfig *config, CastError *err); 
 void config_destroy_pour(CastConfig *config);
 void config_put_pour(FILE *out, const CastConfig *config);
 void config_put_direction(FILE *out, const double v[3]);
+CastStatus config_read_features(YamlNode node, CastConfig *config, CastError *err);
+void config_put_features(FILE *out, const CastConfig *config);
 void config_put_vector(FILE *out, const double v[3], const char *unit);
 void config_put_text(FILE *out, const char *text); // quoted where YAML needs it
 

@@ -168,6 +168,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   else
     fputs("  step: auto\n", out);
   fprintf(out, "  scheme: %s\n", c->scheme == ROM_EXPONENTIAL ? "exponential" : "backward-euler");
+  config_put_features(out, c);
   if (c->n_part) fputs("part: [", out);
   for (size_t i = 0; i < c->n_part; i++) {
     if (i) fputs(", ", out);

@@ -42,7 +42,10 @@ static CastStatus build(Sim *sim, CastError *err)
   neighbours_suit_skin(sim->neighbours, c->spacing, sph_sound_step(&sim->sph, 0.0));
   CAST_CALL(coupling_create(&c->coupling, &sim->sph, sim->rom, sim->surface, &sim->particles, &sim->coupling, err));
   CAST_CALL(filling_create(sim->surface, sim->rom, c->spacing, sim->origin, &sim->filling, err));
+  CAST_CALL(filling_add_boxes(sim->filling, c->n_features, c->feature, err));
   CAST_CALL(filling_set_part(sim->filling, c->n_part, c->part, err));
+  CAST_CALL(arrival_create(filling_cells(sim->filling), sim->rom, c->spacing, sim->n_ids, &sim->arrival, err));
+  arrival_update(sim->arrival, &sim->particles, 0.0);
   CAST_CALL(freezing_create(&c->melt, sim->n_ids, &sim->freezing, err));
   freezing_watch_gradient(sim->freezing, &sim->sph, sim->neighbours);
   freezing_update(sim->freezing, &sim->particles, 0.0);
@@ -70,6 +73,7 @@ void sim_destroy(Sim **sim)
   cool_destroy(&s->cool);
   freezing_destroy(&s->freezing);
   sim_pour_destroy(s);
+  arrival_destroy(&s->arrival);
   filling_destroy(&s->filling);
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);

@@ -33,7 +33,10 @@ double sim_solid_part(const Sim *sim, double *locked)
 void sim_watch_rest(Sim *sim)
 {
   SimCounts *n = &sim->counts;
-  if (fmod(n->steps, LOOK_EVERY) == 0.0) freezing_update(sim->freezing, &sim->particles, n->time);
+  if (fmod(n->steps, LOOK_EVERY) == 0.0) {
+    freezing_update(sim->freezing, &sim->particles, n->time);
+    arrival_update(sim->arrival, &sim->particles, n->time);
+  }
   if (!sim->config->cool.wanted || fmod(n->steps, LOOK_EVERY) != 0.0) return;
   n->kinetic = sph_kinetic_energy(&sim->particles);
   n->kinetic_peak = fmax(n->kinetic_peak, n->kinetic);

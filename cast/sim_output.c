@@ -123,6 +123,7 @@ CastStatus sim_output_finish(Sim *sim, CastError *err)
   }
   if (out->recorder) CAST_CALL(heat_recorder_finish(out->recorder, err));
   CAST_CALL(melt_results_finish(out->melt, err));
+  CAST_CALL(sim_write_maps(sim, melt_results_path(out->melt), out->mould, err));
   if (out->mould) CAST_CALL(mould_results_finish(out->mould, err));
   return sim_write_summary(sim, sim->particles.n_fluid > 0 ? "finished" : "ended: all melt has left the mould", err);
 }
@@ -186,9 +187,20 @@ static CastStatus open_record(Sim *sim, const size_t *rows, CastError *err)
 
 static void remove_old(const SimOutput *out)
 {
-  static const char *const names[] = {
-      "checkpoint.h5", "checkpoint-failed.h5", "summary.txt", "summary.json", "mould.vtkhdf", "heat.h5",
-      "mould.xmf",     "probes.csv",           "tracers.csv", "filling.png",  "curves.png"};
+  static const char *const names[] = {"checkpoint.h5",
+                                      "checkpoint-failed.h5",
+                                      "summary.txt",
+                                      "summary.json",
+                                      "mould.vtkhdf",
+                                      "heat.h5",
+                                      "mould.xmf",
+                                      "probes.csv",
+                                      "tracers.csv",
+                                      "filling.png",
+                                      "curves.png",
+                                      "fill-time.png",
+                                      "solidification-time.png",
+                                      "niyama.png"};
   char path[4200];
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
     path_in(out, names[k], path, sizeof path);
@@ -203,7 +215,7 @@ CastStatus sim_open_output(Sim *sim, const char *command, CastError *err)
   const CastConfig *c = sim->config;
   remove_old(out); // nothing of an earlier run may pass for this one's
   CAST_CALL(melt_results_open(out->folder, &c->melt, sim->n_ids, 0, &out->melt, err));
-  melt_results_follow(out->melt, sim->freezing);
+  melt_results_follow(out->melt, sim->freezing, sim->filling, sim->arrival);
   if (c->output.mould_fields) CAST_CALL(mould_results_open(out->folder, sim->rom, 0, &out->mould, err));
   CAST_CALL(sim_curves_create(sim, NULL, &out->curves, err));
   CAST_CALL(open_record(sim, NULL, err));
@@ -230,7 +242,7 @@ CastStatus sim_output_reopen(Sim *sim, const char *command, const double state[O
   const CastConfig *c = sim->config;
   CAST_CHECK(state[0] >= 1.0, err, CAST_ERR_FORMAT, "the checkpoint knows of no results");
   CAST_CALL(melt_results_open(out->folder, &c->melt, sim->n_ids, (size_t)state[0], &out->melt, err));
-  melt_results_follow(out->melt, sim->freezing);
+  melt_results_follow(out->melt, sim->freezing, sim->filling, sim->arrival);
   if (state[1] > 0.0) CAST_CALL(mould_results_open(out->folder, sim->rom, (size_t)state[1], &out->mould, err));
   CAST_CALL(sim_curves_create(sim, &state[2], &out->curves, err)); // the melt still stands as at the start
   out->next_frame = state[5];

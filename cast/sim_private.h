@@ -3,15 +3,19 @@
  *   sim_report.c  what is about to be computed   sim_output.c  what is written and when
  *   sim_curves.c  the CSV files                  sim_summary.c the account at the end
  *   sim_cool.c    the second stage               sim_drive.c   the forces of the moment
- *   sim_pour.c    inlets and outlets
+ *   sim_pour.c    inlets and outlets             sim_defects.c where it may not be sound
  *   sim_resume.c  checkpoints                    sim_escape.c  melt that leaves, melt where none may be */
 #ifndef CAST_SIM_PRIVATE_H
 #define CAST_SIM_PRIVATE_H
 
+#include <jansson.h>
 #include <stdio.h>
+
 #include "cast/cool/cool.h"
+#include "cast/io/arrival.h"
 #include "cast/io/filling.h"
 #include "cast/io/freezing.h"
+#include "cast/io/mould_results.h"
 #include "cast/io/provenance.h"
 #include "cast/sim.h"
 
@@ -75,6 +79,7 @@ struct Sim {
   Neighbours *neighbours;
   Coupling *coupling;
   Filling *filling;
+  Arrival *arrival;
   Freezing *freezing;
   Cool *cool; // NULL before the second stage
   SimCounts counts;
@@ -162,6 +167,11 @@ double sim_solid_part(const Sim *sim, double *locked); // mean solid fraction; l
 
 /* sim_resume.c */
 CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err);
+
+/* sim_defects.c: misrun and cold shut */
+CastStatus sim_write_maps(Sim *sim, const char *results, MouldResults *mould, CastError *err); // mould may be NULL
+void sim_print_defects(FILE *out, const Sim *sim);
+void sim_add_defects(const Sim *sim, json_t *features); // to the objects of the filling's features
 
 /* sim_summary.c */
 CastStatus sim_write_summary(const Sim *sim, const char *outcome, CastError *err);

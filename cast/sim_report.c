@@ -53,13 +53,14 @@ static void report_walls(const Sim *sim)
 static void report_volumes(const Sim *sim)
 {
   const Filling *f = sim->filling;
-  const size_t features = filling_n_features(f);
+  const size_t features = filling_n_features(f), surfaces = filling_n_surfaces(f);
   const double melt = (double)sim->n_ids * pow(sim->config->spacing, 3.0); // what comes in included
   double needed = 0.0, in_all = 0.0;
   for (size_t s = 0; s < features; s++) {
     const bool starts_here = filling_fraction(f, s) > 0.05;
     log_info(sim->log, "cavity    %-12s %9.4g mm3%s", filling_name(f, s), 1e9 * filling_volume(f, s),
              starts_here ? ", holds melt at the start" : "");
+    if (s >= surfaces) continue; // a box: among the surfaces' already
     if (!starts_here) needed += filling_volume(f, s);
     in_all += filling_volume(f, s);
   }

@@ -84,12 +84,14 @@ static CastStatus write_record(const Sim *sim, hid_t file, CastError *err)
 
 static CastStatus write_freezing(const Sim *sim, hid_t file, CastError *err)
 {
-  const size_t n = freezing_size(sim->freezing);
-  double *known = malloc(n * sizeof *known);
+  const size_t n = freezing_size(sim->freezing), places = arrival_size(sim->arrival);
+  double *known = malloc(((n > places ? n : places) + 1) * sizeof *known);
   CAST_CHECK(known, err, CAST_ERR_MEMORY, "no memory");
   freezing_save(sim->freezing, known);
-  const CastStatus status =
-      write_doubles(file, "freezing", n, known, "", "when particles froze, as freezing packs it", err);
+  CastStatus status = write_doubles(file, "freezing", n, known, "", "when particles froze, as freezing packs it", err);
+  arrival_save(sim->arrival, known);
+  if (status == CAST_OK)
+    status = write_doubles(file, "arrival", places, known, "", "when melt came, how warm, as arrival packs it", err);
   free(known);
   return status;
 }
@@ -245,11 +247,13 @@ static CastStatus restore_mould(Sim *sim, hid_t file, CastError *err)
 
 static CastStatus restore_freezing(Sim *sim, hid_t file, CastError *err)
 {
-  const size_t n = freezing_size(sim->freezing);
-  double *known = malloc(n * sizeof *known);
+  const size_t n = freezing_size(sim->freezing), places = arrival_size(sim->arrival);
+  double *known = malloc(((n > places ? n : places) + 1) * sizeof *known);
   CAST_CHECK(known, err, CAST_ERR_MEMORY, "no memory");
-  const CastStatus status = read_doubles(file, "freezing", n, known, err);
+  CastStatus status = read_doubles(file, "freezing", n, known, err);
   if (status == CAST_OK) freezing_restore(sim->freezing, known);
+  if (status == CAST_OK) status = read_doubles(file, "arrival", places, known, err);
+  if (status == CAST_OK) arrival_restore(sim->arrival, known);
   free(known);
   return status;
 }

@@ -167,6 +167,7 @@ static void print_text(FILE *out, const Sim *sim, const Account *a)
   fprintf(out, "%s\n%s at t = %.6g ms of %.6g ms\n\n", sim->config->title, a->outcome, 1e3 * n->time,
           1e3 * sim_end(sim));
   print_filling(out, sim);
+  sim_print_defects(out, sim);
   fprintf(out, "Temperature      least       mean       most\n");
   fprintf(out, "  melt       %9.2f  %9.2f  %9.2f K\n", a->melt.least, a->melt.mean, a->melt.most);
   fprintf(out, "  cavity wall%9.2f  %9.2f  %9.2f K\n", a->wall.least, a->wall.mean, a->wall.most);
@@ -263,6 +264,7 @@ static char *json_text(const Sim *sim, const Account *a)
   json_t *features = json_object();
   for (size_t s = 0; s <= filling_n_features(sim->filling); s++)
     json_object_set_new(features, filling_name(sim->filling, s), filling_object(sim->filling, s));
+  sim_add_defects(sim, features);
   const SimCounts *n = &sim->counts;
   json_t *root =
       json_pack("{ss ss so so so so so so so so so so so so sI so so so si so}", "title", sim->config->title, "outcome",

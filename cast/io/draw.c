@@ -11,5 +11,5 @@ CastStatus draw_folder(const char *folder, Log *log, CastError *err)
   snprintf(path, sizeof path, "%s/curves.png", folder);
   CAST_CALL(draw_curves(folder, path, err));
   log_info(log, "drawn: %s", path);
-  return CAST_OK;
+  return draw_maps(folder, log, err);
 }

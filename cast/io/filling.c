@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/geometry/placement.h"
-
 const double filling_levels[FILLING_LEVELS] = {0.5, 0.9, 0.99};
 
 static const double COVER = 0.9;         // of a cell's edge
@@ -16,12 +14,15 @@ struct Filling {
   CavityCells cells;
   double low[3], cell; // m
   ptrdiff_t count[3];
-  int32_t *at;                       // [count] cavity cell there; -1: none
-  uint8_t *filled;                   // [cells.n]
-  double *volume, *fraction;         // [n_surfaces + 1], the last for the part
+  int32_t *at;     // [count] cavity cell there; -1: none
+  uint8_t *filled; // [cells.n]
+  size_t n_boxes;
+  FeatureBox *box;                   // [n_boxes]
+  uint8_t *in_box;                   // [n_boxes][cells.n]
+  uint8_t *in_part;                  // [cells.n]
   bool has_part;                     // it is not the whole cavity
-  uint8_t *in_part;                  // [n_surfaces]
-  double (*reached)[FILLING_LEVELS]; // [n_surfaces + 1] s
+  double *volume, *fraction;         // [n_features + 1], the last for the part
+  double (*reached)[FILLING_LEVELS]; // [n_features + 1] s
 };
 
 static void measure_grid(Filling *f, const double origin[3])
@@ -43,29 +44,51 @@ static ptrdiff_t index_along(const Filling *f, int d, double x)
   return (ptrdiff_t)floor((x - f->low[d]) / f->cell);
 }
 
+static ptrdiff_t place_of(const Filling *f, const ptrdiff_t k[3])
+{
+  return (k[2] * f->count[1] + k[1]) * f->count[0] + k[0];
+}
+
+static void locate(const Filling *f, ptrdiff_t cell, ptrdiff_t k[3])
+{
+  for (int d = 0; d < 3; d++) {
+    const ptrdiff_t at = index_along(f, d, f->cells.x[d][cell]);
+    k[d] = at < 0 ? 0 : at >= f->count[d] ? f->count[d] - 1 : at;
+  }
+}
+
 static CastStatus sort_cells(Filling *f, CastError *err)
 {
-  const size_t n = (size_t)(f->count[0] * f->count[1] * f->count[2]), features = f->cells.n_surfaces + 1;
-  f->at = malloc(n * sizeof *f->at);
+  const size_t n = (size_t)(f->count[0] * f->count[1] * f->count[2]);
+  f->at = malloc(n * sizeof *f->at + 1);
   f->filled = calloc((size_t)f->cells.n + 1, 1);
+  f->in_part = malloc((size_t)f->cells.n + 1);
+  CAST_CHECK(f->at && f->filled && f->in_part, err, CAST_ERR_MEMORY, "no memory for the cavity's %td cells",
+             f->cells.n);
+  for (size_t k = 0; k < n; k++) f->at[k] = -1;
+  memset(f->in_part, 1, (size_t)f->cells.n + 1);
+  for (ptrdiff_t i = 0; i < f->cells.n; i++) {
+    ptrdiff_t k[3];
+    locate(f, i, k);
+    f->at[place_of(f, k)] = (int32_t)i;
+  }
+  return CAST_OK;
+}
+
+/* Room for the numbers of each feature and the part; volumes from the cells. */
+static CastStatus measure_features(Filling *f, CastError *err)
+{
+  const size_t features = filling_n_features(f) + 1;
+  free(f->volume);
+  free(f->fraction);
+  free(f->reached);
   f->volume = calloc(features, sizeof *f->volume);
   f->fraction = calloc(features, sizeof *f->fraction);
   f->reached = calloc(features, sizeof *f->reached);
-  f->in_part = malloc(features);
-  CAST_CHECK(f->at && f->filled && f->volume && f->fraction && f->reached && f->in_part, err, CAST_ERR_MEMORY,
-             "no memory for the cavity's %td cells", f->cells.n);
-  for (size_t k = 0; k < n; k++) f->at[k] = -1;
-  memset(f->in_part, 1, features);
-  for (ptrdiff_t i = 0; i < f->cells.n; i++) {
-    ptrdiff_t k[3];
-    for (int d = 0; d < 3; d++) {
-      const ptrdiff_t at = index_along(f, d, f->cells.x[d][i]);
-      k[d] = at < 0 ? 0 : at >= f->count[d] ? f->count[d] - 1 : at;
-    }
-    f->at[(k[2] * f->count[1] + k[1]) * f->count[0] + k[0]] = (int32_t)i;
-    f->volume[f->cells.surface[i]] += f->cells.volume[i];
-    f->volume[features - 1] += f->cells.volume[i];
-  }
+  CAST_CHECK(f->volume && f->fraction && f->reached, err, CAST_ERR_MEMORY, "no memory for %zu features", features);
+  for (ptrdiff_t i = 0; i < f->cells.n; i++)
+    for (size_t s = 0; s < features; s++)
+      if (filling_cell_is_in(f, i, s)) f->volume[s] += f->cells.volume[i];
   for (size_t s = 0; s < features; s++)
     for (int l = 0; l < FILLING_LEVELS; l++) f->reached[s][l] = NAN;
   return CAST_OK;
@@ -83,6 +106,7 @@ CastStatus filling_create(const Surface *surface, const RomData *rom, double spa
   CastStatus status = cavity_cells_create(surface, rom, made->cell, origin, &made->cells, err);
   if (status == CAST_OK && made->cells.n > 0) measure_grid(made, origin);
   if (status == CAST_OK) status = sort_cells(made, err);
+  if (status == CAST_OK) status = measure_features(made, err);
   if (status != CAST_OK) filling_destroy(filling);
   return status;
 }
@@ -98,29 +122,65 @@ void filling_destroy(Filling **filling)
   free(f->fraction);
   free(f->reached);
   free(f->in_part);
+  free(f->in_box);
+  free(f->box);
   free(f);
   *filling = NULL;
+}
+
+static size_t find_feature(const Filling *f, const char *name)
+{
+  size_t s = 0;
+  while (s < filling_n_features(f) && strcmp(filling_name(f, s), name) != 0) s++;
+  return s;
+}
+
+static CastStatus fill_box(Filling *f, size_t b, CastError *err)
+{
+  const FeatureBox *box = &f->box[b];
+  uint8_t *inside = f->in_box + b * (size_t)f->cells.n;
+  ptrdiff_t found = 0;
+  for (ptrdiff_t i = 0; i < f->cells.n; i++) {
+    inside[i] = 1;
+    for (int d = 0; d < 3; d++)
+      if (f->cells.x[d][i] < box->low[d] || f->cells.x[d][i] > box->high[d]) inside[i] = 0;
+    found += inside[i];
+  }
+  CAST_CHECK(found > 0, err, CAST_ERR_INPUT, "features: '%s' holds nothing of the mould's cavity", box->name);
+  return CAST_OK;
+}
+
+CastStatus filling_add_boxes(Filling *f, size_t n, const FeatureBox *box, CastError *err)
+{
+  if (n == 0) return CAST_OK;
+  for (size_t b = 0; b < n; b++)
+    CAST_CHECK(find_feature(f, box[b].name) == filling_n_features(f), err, CAST_ERR_INPUT,
+               "features: '%s' is a surface of the mould's cavity; take another name", box[b].name);
+  f->box = malloc(n * sizeof *f->box);
+  f->in_box = malloc(n * (size_t)f->cells.n + 1);
+  CAST_CHECK(f->box && f->in_box, err, CAST_ERR_MEMORY, "no memory for %zu features", n);
+  memcpy(f->box, box, n * sizeof *box);
+  f->n_boxes = n;
+  for (size_t b = 0; b < n; b++) CAST_CALL(fill_box(f, b, err));
+  return measure_features(f, err);
 }
 
 CastStatus filling_set_part(Filling *f, size_t n, char (*names)[ROM_NAME_LENGTH], CastError *err)
 {
   if (n == 0) return CAST_OK;
-  const size_t features = f->cells.n_surfaces;
-  memset(f->in_part, 0, features);
+  const size_t features = filling_n_features(f);
+  memset(f->in_part, 0, (size_t)f->cells.n + 1);
   f->has_part = true;
-  f->volume[features] = 0.0;
   for (size_t i = 0; i < n; i++) {
-    size_t s = 0;
-    while (s < features && strcmp(f->cells.names[s], names[i]) != 0) s++;
+    const size_t s = find_feature(f, names[i]);
     char known[256] = "";
     for (size_t k = 0, used = 0; k < features && used < sizeof known; k++)
-      used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", f->cells.names[k]);
+      used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", k ? ", " : "", filling_name(f, k));
     CAST_CHECK(s < features, err, CAST_ERR_INPUT, "part: the mould's cavity has no surface '%s'; it has %s", names[i],
                known);
-    f->in_part[s] = 1;
-    f->volume[features] += f->volume[s];
+    for (ptrdiff_t c = 0; c < f->cells.n; c++) f->in_part[c] |= filling_cell_is_in(f, c, s);
   }
-  return CAST_OK;
+  return measure_features(f, err);
 }
 
 /* Mark the cells around a particle that it covers. Threads may write the same byte: it is the same value. */
@@ -151,12 +211,13 @@ void filling_update(Filling *f, const Particles *p, double time)
   memset(f->filled, 0, (size_t)f->cells.n);
 #pragma omp parallel for
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) cover(f, (const double[3]){p->x[0][i], p->x[1][i], p->x[2][i]});
-  const size_t features = f->cells.n_surfaces + 1;
+  const size_t features = filling_n_features(f) + 1;
   for (size_t s = 0; s < features; s++) f->fraction[s] = 0.0;
   for (ptrdiff_t i = 0; i < f->cells.n; i++) {
     if (!f->filled[i]) continue;
     f->fraction[f->cells.surface[i]] += f->cells.volume[i];
-    if (f->in_part[f->cells.surface[i]]) f->fraction[features - 1] += f->cells.volume[i];
+    for (size_t s = f->cells.n_surfaces; s < features; s++)
+      if (filling_cell_is_in(f, i, s)) f->fraction[s] += f->cells.volume[i];
   }
   for (size_t s = 0; s < features; s++) {
     f->fraction[s] = f->volume[s] > 0.0 ? f->fraction[s] / f->volume[s] : 0.0;
@@ -167,14 +228,60 @@ void filling_update(Filling *f, const Particles *p, double time)
 
 size_t filling_n_features(const Filling *filling)
 {
+  return filling->cells.n_surfaces + filling->n_boxes;
+}
+
+size_t filling_n_surfaces(const Filling *filling)
+{
   return filling->cells.n_surfaces;
 }
 
 const char *filling_name(const Filling *filling, size_t feature)
 {
-  return feature < filling->cells.n_surfaces ? filling->cells.names[feature]
-         : filling->has_part                 ? "part"
-                                             : "whole cavity";
+  const size_t surfaces = filling->cells.n_surfaces;
+  if (feature < surfaces) return filling->cells.names[feature];
+  if (feature < surfaces + filling->n_boxes) return filling->box[feature - surfaces].name;
+  return filling->has_part ? "part" : "whole cavity";
+}
+
+const CavityCells *filling_cells(const Filling *filling)
+{
+  return &filling->cells;
+}
+
+bool filling_cell_is_filled(const Filling *filling, ptrdiff_t cell)
+{
+  return filling->filled[cell];
+}
+
+bool filling_cell_is_in(const Filling *f, ptrdiff_t cell, size_t feature)
+{
+  const size_t surfaces = f->cells.n_surfaces;
+  if (feature < surfaces) return f->cells.surface[cell] == (int32_t)feature;
+  if (feature < surfaces + f->n_boxes) return f->in_box[(feature - surfaces) * (size_t)f->cells.n + (size_t)cell];
+  return f->in_part[cell];
+}
+
+ptrdiff_t filling_cell_of(const Filling *f, const double x[3])
+{
+  ptrdiff_t k[3];
+  for (int d = 0; d < 3; d++) {
+    if (f->cells.n == 0 || !isfinite(x[d]) || fabs(x[d] - f->low[d]) > 1e6 * f->cell) return -1;
+    k[d] = index_along(f, d, x[d]);
+    if (k[d] < 0 || k[d] >= f->count[d]) return -1;
+  }
+  return f->at[place_of(f, k)];
+}
+
+ptrdiff_t filling_neighbour(const Filling *f, ptrdiff_t cell, const int step[3])
+{
+  ptrdiff_t k[3];
+  locate(f, cell, k);
+  for (int d = 0; d < 3; d++) {
+    k[d] += step[d];
+    if (k[d] < 0 || k[d] >= f->count[d]) return -1;
+  }
+  return f->at[place_of(f, k)];
 }
 
 double filling_volume(const Filling *filling, size_t feature)
@@ -194,7 +301,7 @@ double filling_time(const Filling *filling, size_t feature, int level)
 
 size_t filling_state_size(const Filling *filling)
 {
-  return (filling->cells.n_surfaces + 1) * FILLING_LEVELS;
+  return (filling_n_features(filling) + 1) * FILLING_LEVELS;
 }
 
 void filling_save(const Filling *filling, double *state)

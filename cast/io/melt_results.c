@@ -16,6 +16,8 @@ static const VtkField STATE[] = {
     {"velocity", "m/s", "velocity", 3, false},
     {"pressure", "Pa", "pressure", 1, false},
     {"density", "kg/m3", "density", 1, false},
+    {"fill_time", "s", "when melt first came to the place where it stands", 1, false},
+    {"front_temperature", "K", "of the melt that came there first", 1, false},
 };
 enum { N_STATE = sizeof STATE / sizeof STATE[0], N_FIELDS = N_STATE + FREEZING_FIELDS, XMF_EACH = 128 };
 
@@ -25,6 +27,8 @@ struct MeltResults {
   char path[4096], xmf_path[4096];
   const Material *melt;
   const Freezing *freezing; // NULL: not followed
+  const Filling *filling;   // NULL: not followed
+  const Arrival *arrival;
   ptrdiff_t n_ids;
   int32_t *order; // [n_ids] particle with that id; -1: gone
   float *buffer;  // [n_ids*3] points, then fields one after the other
@@ -47,7 +51,7 @@ static CastStatus allocate(const char *folder, const Material *melt, ptrdiff_t n
   snprintf(made->xmf_path, sizeof made->xmf_path, "%.4000s/results.xmf", folder);
   const size_t n = (size_t)n_ids + 1;
   made->order = malloc(n * sizeof *made->order);
-  made->buffer = malloc(n * (11 + FREEZING_FIELDS) * sizeof *made->buffer);
+  made->buffer = malloc(n * (13 + FREEZING_FIELDS) * sizeof *made->buffer);
   made->id = malloc(n * sizeof *made->id);
   CAST_CHECK(made->order && made->buffer && made->id, err, CAST_ERR_MEMORY, "no memory to write %td particles", n_ids);
   return CAST_OK;
@@ -95,9 +99,23 @@ static float *gather_freezing(const MeltResults *r, FreezingField field, ptrdiff
   return to;
 }
 
-void melt_results_follow(MeltResults *results, const Freezing *freezing)
+void melt_results_follow(MeltResults *results, const Freezing *freezing, const Filling *filling, const Arrival *arrival)
 {
   results->freezing = freezing;
+  results->filling = filling;
+  results->arrival = arrival;
+}
+
+/* Of the places where the n particles stand, to time [n] and temperature [n]. */
+static void gather_arrival(const MeltResults *r, const Particles *p, ptrdiff_t n, float *time, float *temperature)
+{
+  for (ptrdiff_t k = 0; k < n; k++) {
+    const int32_t i = r->order[k];
+    const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    const ptrdiff_t cell = r->filling ? filling_cell_of(r->filling, x) : -1;
+    time[k] = cell < 0 ? NAN : (float)arrival_cell_time(r->arrival, cell);
+    temperature[k] = cell < 0 ? NAN : (float)arrival_cell_temperature(r->arrival, cell);
+  }
 }
 
 /* Fill order with the particles there are, by ascending id; returns how many. */
@@ -128,7 +146,9 @@ CastStatus melt_results_append(MeltResults *r, double time, const Particles *p, 
   const float *velocity = gather_vector(r, p->v, n, next += n);
   const float *pressure = gather_scalar(r, p->p, n, next += 3 * n);
   const float *density = gather_scalar(r, p->rho, n, next += n);
-  const void *values[N_FIELDS] = {r->id, temperature, enthalpy, solid, velocity, pressure, density};
+  float *fill_time = next += n, *front = next += n;
+  gather_arrival(r, p, n, fill_time, front);
+  const void *values[N_FIELDS] = {r->id, temperature, enthalpy, solid, velocity, pressure, density, fill_time, front};
   for (int f = 0; f < FREEZING_FIELDS; f++) values[N_STATE + f] = gather_freezing(r, (FreezingField)f, n, next += n);
   CAST_CALL(vtk_series_append(r->series, time, (size_t)n, points, values, err));
   const size_t steps = vtk_series_n_steps(r->series);

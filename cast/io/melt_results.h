@@ -2,6 +2,8 @@
 #ifndef CAST_IO_MELT_RESULTS_H
 #define CAST_IO_MELT_RESULTS_H
 
+#include "cast/io/arrival.h"
+#include "cast/io/filling.h"
 #include "cast/io/freezing.h"
 #include "cast/particles/particles.h"
 #include "cast/io/vtk_series.h"
@@ -14,8 +16,9 @@ typedef struct MeltResults MeltResults;
  *  n_steps 0: begin anew; else go on after the first n_steps of the files there */
 CastStatus melt_results_open(const char *folder, const Material *melt, ptrdiff_t n_ids, size_t n_steps,
                              MeltResults **results, CastError *err);
-/* From now on frames tell when particles froze. freezing: borrowed. */
-void melt_results_follow(MeltResults *results, const Freezing *freezing);
+/* From now on frames tell how particles froze and when melt came to where they stand. All borrowed. */
+void melt_results_follow(MeltResults *results, const Freezing *freezing, const Filling *filling,
+                         const Arrival *arrival);
 /* One step: particles in the order of their ids, so that row i stays the same particle while none leaves. */
 CastStatus melt_results_append(MeltResults *results, double time, const Particles *particles, CastError *err);
 /* Bring the side file up to date (appending does so only now and then once there are many steps). */

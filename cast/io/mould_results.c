@@ -8,7 +8,7 @@
 #include "cast/io/xmf.h"
 
 static const VtkField TEMPERATURE = {"temperature", "K", "temperature, reprojected from the reduced state", 1, false};
-enum { XMF_EACH = 128 };
+enum { XMF_EACH = 128, MOST_MAPS = 32 };
 
 struct MouldResults {
   VtkSeries *series;
@@ -16,6 +16,8 @@ struct MouldResults {
   const RomData *rom;
   double *temperature; // [n_points] K
   float *values;
+  size_t n_maps;
+  VtkField map[MOST_MAPS];
 };
 
 /* The connectivity as the side file wants it: a table with one row a cell. */
@@ -79,10 +81,19 @@ CastStatus mould_results_append(MouldResults *r, double time, const RomState *st
   return steps <= XMF_EACH || steps % XMF_EACH == 0 ? mould_results_finish(r, err) : CAST_OK;
 }
 
+CastStatus mould_results_set_maps(MouldResults *r, size_t n, const VtkField *field, void *const *values, CastError *err)
+{
+  CAST_CHECK(n <= MOST_MAPS, err, CAST_ERR_ARGUMENT, "%zu maps, at most %d are allowed", n, MOST_MAPS);
+  CAST_CALL(vtk_series_set_cells(r->series, r->rom->n_triangles, n, field, values, err));
+  memcpy(r->map, field, n * sizeof *field);
+  r->n_maps = n;
+  return CAST_OK;
+}
+
 CastStatus mould_results_finish(MouldResults *r, CastError *err)
 {
-  const XmfPart parts[2] = {{"surface", "Triangle", "/castrun/triangles", r->rom->n_triangles, 3},
-                            {"band", "Tetrahedron", "/castrun/tetrahedra", r->rom->n_tetrahedra, 4}};
+  const XmfPart parts[2] = {{"surface", "Triangle", "/castrun/triangles", r->rom->n_triangles, 3, r->n_maps, r->map},
+                            {"band", "Tetrahedron", "/castrun/tetrahedra", r->rom->n_tetrahedra, 4, 0, NULL}};
   return xmf_write(r->xmf_path, r->series, r->rom->n_tetrahedra > 0 ? 2 : 1, parts, err);
 }
 

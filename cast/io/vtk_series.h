@@ -52,6 +52,12 @@ void vtk_series_destroy(VtkSeries **series);
 CastStatus vtk_series_append(VtkSeries *series, double time, size_t n_points, const float *points,
                              const void *const *values, CastError *err);
 
+/* Values of the triangles of a mesh that stays, the same at all steps so far; replaces those there. No step may follow.
+ *   values  one array [n_cells] for each field: float or int32_t
+ * Errors: CAST_ERR_IO, CAST_ERR_MEMORY. */
+CastStatus vtk_series_set_cells(const VtkSeries *series, size_t n_cells, size_t n_fields, const VtkField *field,
+                                void *const *values, CastError *err);
+
 size_t vtk_series_n_steps(const VtkSeries *series);
 const VtkStep *vtk_series_steps(const VtkSeries *series); // [n_steps]
 const char *vtk_series_path(const VtkSeries *series);

@@ -79,6 +79,13 @@ static void put_grid(FILE *out, const VtkSeries *series, const VtkStep *step, co
              field->integer);
     fputs("      </Attribute>\n", out);
   }
+  for (size_t f = 0; part && f < part->n_maps; f++) {
+    char set[256];
+    snprintf(set, sizeof set, "CellData/%s", part->map[f].name);
+    fprintf(out, "      <Attribute Name=\"%s\" AttributeType=\"Scalar\" Center=\"Cell\">\n", part->map[f].name);
+    put_set(out, "        ", file, set, (long long)part->n_cells, 1, part->map[f].integer);
+    fputs("      </Attribute>\n", out);
+  }
   fputs("    </Grid>\n", out);
 }
 

@@ -10,6 +10,8 @@ typedef struct XmfPart {       // cells of a mesh that stays; the set holds [n_c
   const char *set;             // path in the HDF5 file
   size_t n_cells;
   int corners;
+  size_t n_maps;       // values of its cells, the same at all steps
+  const VtkField *map; // [n_maps] in CellData
 } XmfPart;
 
 /* `path` of the side file; it names the series' file relative to its own folder (both must lie in the same one).

@@ -60,7 +60,7 @@ void study_range_value(const StudyKey *key, double fraction, char text[64]);
 typedef struct StudyQuantity {
   const char *name, *unit, *path[3]; // keys of the JSON object, one in the other
 } StudyQuantity;
-enum { STUDY_QUANTITIES = 9 };
+enum { STUDY_QUANTITIES = 11 };
 extern const StudyQuantity study_quantities[STUDY_QUANTITIES];
 
 typedef struct StudyResult {

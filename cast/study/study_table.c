@@ -20,6 +20,8 @@ const StudyQuantity study_quantities[STUDY_QUANTITIES] = {
     {"energy_residual", "1", {"energy_J", "residual_relative", NULL}},
     {"particles_lost", "1", {"removed_particles", NULL, NULL}},
     {"wall_time", "s", {"work", "wall_s", NULL}},
+    {"misrun", "1", {"filling", "*", "misrun"}},
+    {"cold_shut", "1", {"filling", "*", "cold_shut"}},
 };
 
 /* "*" stands for the last feature: the part or the whole cavity. */

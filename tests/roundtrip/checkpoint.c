@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "cast/sim.h"
+#include "common/h5.h"
 #include "common/heat_record.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
@@ -106,6 +107,42 @@ static void assert_same_files(const Run *a, const Run *b)
   }
 }
 
+static void assert_same_set(const Run *a, const Run *b, const char *name, const char *set)
+{
+  CastError err = {0};
+  char path[256];
+  double *values[2];
+  hsize_t n[2];
+  const Run *const both[2] = {a, b};
+  for (int k = 0; k < 2; k++) {
+    hid_t file = -1;
+    void *read = NULL;
+    n[k] = 0;
+    snprintf(path, sizeof path, "%.128s/%s", both[k]->folder, name);
+    ok(h5_file_open(path, &file, &err), &err);
+    ok(h5_read(file, set, H5T_NATIVE_DOUBLE, 1, &n[k], &read, &err), &err);
+    ok(h5_file_close(&file, &err), &err);
+    values[k] = read;
+  }
+  assert_int_equal(n[0], n[1]);
+  if (memcmp(values[0], values[1], n[0] * sizeof(double)) != 0) fail_msg("%s: %s differs", name, set);
+  bool any = false;
+  for (hsize_t i = 0; i < n[0]; i++) any = any || values[0][i] >= 0.0; // not all NaN
+  assert_true(any);
+  free(values[0]);
+  free(values[1]);
+}
+
+/* What a run gathers from its beginning and writes at its end. */
+static void assert_same_maps(const Run *a, const Run *b)
+{
+  assert_same_set(a, b, "results.vtkhdf", "castrun/cavity/fill_time");
+  assert_same_set(a, b, "results.vtkhdf", "castrun/cavity/front_temperature");
+  assert_same_set(a, b, "results.vtkhdf", "castrun/cavity/misrun");
+  assert_same_set(a, b, "mould.vtkhdf", "VTKHDF/CellData/fill_time");
+  assert_same_set(a, b, "mould.vtkhdf", "VTKHDF/CellData/misrun");
+}
+
 static void assert_same_records(const Run *a, const Run *b)
 {
   CastError err = {0};
@@ -180,6 +217,7 @@ static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
   assert_same_state(whole.sim, broken.sim);
   assert_same_files(&whole, &broken);
+  assert_same_maps(&whole, &broken);
   assert_same_records(&whole, &broken);
   finish(&whole);
   finish(&broken);
@@ -210,6 +248,7 @@ static void check_cooling(const char *kind, const char *coupling)
   assert_int_equal(end, SIM_FINISHED);
   assert_same_state(whole.sim, broken.sim);
   assert_same_files(&whole, &broken);
+  assert_same_maps(&whole, &broken);
   assert_same_records(&whole, &broken);
   finish(&whole);
   finish(&broken);

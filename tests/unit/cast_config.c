@@ -60,6 +60,7 @@ static const char EVERYTHING[] =
     "  negative_pressure: cut\n"
     "time: { end: 11.1 ms, step: 1.3 us, scheme: backward-euler, cool: { end: 99.9 s, begin: at-end, tolerance: 0.7 K, "
     "every: 3.3 s, curves_every: 0.2 s } }\n"
+    "features: [{ name: tips, low: [-4 mm, -4 mm, 8 mm], high: [4 mm, 4 mm, 9 mm] }]\n"
     "part: [disc, thin pins]\n"
     "output:\n"
     "  folder: /tmp/there\n"
@@ -126,6 +127,10 @@ static void every_option_arrives(void **state)
   assert_true(c->cool.wanted && c->cool.at_end && !c->cool.until_solid);
   assert_close(c->output.checkpoint_every, 420.0, 1e-12);
   assert_false(c->output.mould_fields);
+  assert_int_equal(c->n_features, 1);
+  assert_string_equal(c->feature[0].name, "tips");
+  assert_close(c->feature[0].low[2], 8e-3, 1e-15);
+  assert_close(c->feature[0].high[0], 4e-3, 1e-15);
   assert_int_equal(c->n_part, 2);
   assert_string_equal(c->part[1], "thin pins");
   assert_int_equal(c->output.n_probes, 1);
@@ -203,6 +208,8 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
   assert_same_drive(&a->drive, &b->drive);
   assert_int_equal(a->n_blocks, b->n_blocks);
   assert_memory_equal(a->block, b->block, a->n_blocks * sizeof *a->block);
+  assert_int_equal(a->n_features, b->n_features);
+  assert_memory_equal(a->feature, b->feature, a->n_features * sizeof *a->feature);
   assert_int_equal(a->n_part, b->n_part);
   for (size_t i = 0; i < a->n_part; i++) assert_string_equal(a->part[i], b->part[i]);
   assert_int_equal(a->output.n_tracers, b->output.n_tracers);

@@ -9,11 +9,7 @@
 
 #include "cast/physics/drive.h"
 #include "tests/support/assert_close.h"
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
+#include "tests/support/assert_ok.h"
 
 static Table table_of(size_t n, const double *x, const double *y)
 {

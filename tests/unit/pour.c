@@ -17,28 +17,8 @@
 #include "cast/pour/outlet.h"
 #include "cast/sim.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
-
-static CastCase casting;
-
-static int set_up(void **state)
-{
-  (void)state;
-  CastError err = {0};
-  return cast_case_create(&casting, &err) == CAST_OK ? 0 : 1;
-}
-
-static int clean_up(void **state)
-{
-  (void)state;
-  cast_case_remove(&casting);
-  return 0;
-}
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 /* ---- storage ---- */
 
@@ -358,5 +338,5 @@ int main(void)
       cmocka_unit_test(what_leaves_through_outlets_is_counted),
       cmocka_unit_test(a_pouring_run_that_is_resumed_has_the_bits_of_an_unbroken_one),
   };
-  return cmocka_run_group_tests(tests, set_up, clean_up);
+  return cmocka_run_group_tests(tests, cast_case_set_up, cast_case_clean_up);
 }

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "cast/sim_private.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/validation.h"
 
@@ -59,11 +60,6 @@ static const Feature slot = {"slot",
                               .time = "{ end: 100 ms }"},
                              0.0,
                              -12e-3};
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static double nearest_distance(const Particles *p, ptrdiff_t i)
 {

@@ -15,6 +15,7 @@
 #include "cast/geometry/walls.h"
 #include "cast/kernel/pair.h"
 #include "cast/physics/sph.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/lattice_tank.h"
 #include "tests/support/shaped_mould.h"
 #include "tests/support/validation.h"
@@ -39,11 +40,6 @@ typedef struct Rest {
   ptrdiff_t n;
   long steps;
 } Rest;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
 
 static double spin_rate(void)
 {
