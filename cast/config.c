@@ -75,12 +75,26 @@ static CastStatus read_melt(YamlNode node, CastConfig *config, CastError *err)
 
 /* ---- the rest ---- */
 
+/* "auto", "each" (step of the melt) or the longest time between two. */
+static double read_mould_step(YamlNode node, const CouplingParameters *coupling)
+{
+  const bool alone = coupling->kind == COUPLING_SURFACE;
+  if (!yaml_exists(node)) return alone ? (double)INFINITY : 0.0;
+  if (!alone) yaml_problem(node, "belongs to kind: surface; embedded wall particles take part in each step");
+  if (coupling->mould_frozen) yaml_problem(node, "a mould that is frozen takes no steps");
+  const char *word = yaml_is_scalar(node) ? yaml_string(node, "") : "";
+  if (strcmp(word, "auto") == 0) return INFINITY;
+  if (strcmp(word, "each") == 0) return 0.0;
+  return yaml_quantity(node, "s", YAML_POSITIVE, INFINITY);
+}
+
 static void read_coupling(YamlNode node, CastConfig *config)
 {
   static const char *const KINDS[] = {"surface", "embedded", NULL};
   static const char *const MOULDS[] = {"live", "frozen", NULL};
   config->coupling.kind = (CouplingKind)yaml_choice(yaml_get(node, "kind"), KINDS, COUPLING_SURFACE);
   config->coupling.mould_frozen = yaml_choice(yaml_get(node, "mould"), MOULDS, 0) == 1;
+  config->coupling.mould_interval = read_mould_step(yaml_get(node, "mould_step"), &config->coupling);
 }
 
 /* "auto" or a quantity; 0 stands for auto. */

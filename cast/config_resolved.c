@@ -147,6 +147,19 @@ static void put_cool(FILE *out, const CoolConfig *cool)
   if (cool->curves_every > 0.0) fprintf(out, "    curves_every: %.17g s\n", cool->curves_every);
 }
 
+static void put_coupling(FILE *out, const CouplingParameters *c)
+{
+  fprintf(out, "coupling: { kind: %s, mould: %s", c->kind == COUPLING_SURFACE ? "surface" : "embedded",
+          c->mould_frozen ? "frozen" : "live");
+  if (c->kind == COUPLING_SURFACE && !c->mould_frozen) {
+    if (isfinite(c->mould_interval) && c->mould_interval > 0.0)
+      fprintf(out, ", mould_step: %.17g s", c->mould_interval);
+    else
+      fprintf(out, ", mould_step: %s", c->mould_interval > 0.0 ? "auto" : "each");
+  }
+  fputs(" }\n", out);
+}
+
 static void put_config(FILE *out, const CastConfig *c, double sound_speed)
 {
   fputs("# The input as castrun understood it: SI, every default filled in.\ntitle: ", out);
@@ -157,8 +170,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   put_melt(out, c);
   config_put_forces(out, c);
   config_put_contact(out, c);
-  fprintf(out, "coupling: { kind: %s, mould: %s }\n", c->coupling.kind == COUPLING_SURFACE ? "surface" : "embedded",
-          c->coupling.mould_frozen ? "frozen" : "live");
+  put_coupling(out, &c->coupling);
   config_put_walls(out, c);
   put_sph(out, c, sound_speed);
   fprintf(out, "time:\n  end: %.17g s\n", c->end);

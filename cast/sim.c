@@ -252,6 +252,7 @@ static CastStatus run_steps(Sim *sim, const volatile sig_atomic_t *stop, SimEnd 
 static void save_what_there_is(Sim *sim, const CastError *err)
 {
   if (!sim->output) return;
+  coupling_settle(sim->coupling, sim->mould);
   CastError other;
   if (err->code == CAST_ERR_NUMERIC && sim_write_checkpoint(sim, "checkpoint-failed.h5", &other) == CAST_OK)
     log_info(sim->log, "the state at the failure is in %s/checkpoint-failed.h5", sim_output_folder(sim));
@@ -264,6 +265,7 @@ CastStatus sim_run(Sim *sim, const volatile sig_atomic_t *stop, SimEnd *end, Cas
   CastStatus status = sim_output_due(sim, err);
   if (status == CAST_OK) status = run_steps(sim, stop, end, err);
   log_progress_end(sim->log);
+  if (status == CAST_OK && *end != SIM_INTERRUPTED) coupling_settle(sim->coupling, sim->mould);
   if (status == CAST_OK && sim->output && *end != SIM_INTERRUPTED) status = sim_output_finish(sim, err);
   if (status != CAST_OK) save_what_there_is(sim, err);
   return status;

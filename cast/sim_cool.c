@@ -85,6 +85,7 @@ CastStatus sim_cool_begin(Sim *sim, CastError *err)
   const SwitchReason reason = sim_fill_is_over(sim);
   CAST_CALL(sim_pour_end(sim, err));
   stop_melt(&sim->particles);
+  coupling_settle(sim->coupling, sim->mould);
   CAST_CALL(create(sim, err));
   n->kinetic = sph_kinetic_energy(&sim->particles);
   n->stage = STAGE_COOL;

@@ -49,6 +49,24 @@ static CastStatus write_frame(Sim *sim, CastError *err)
   return CAST_OK;
 }
 
+/* A mould that lags behind is brought up to date for what is written, and then taken back: a run that writes has the
+ * bits of one that does not. */
+static CastStatus write_up_to_date(Sim *sim, bool row, bool frame, CastError *err)
+{
+  const size_t n = rom_state_size(sim->mould);
+  double *kept = malloc((n + coupling_size(sim->coupling)) * sizeof *kept);
+  CAST_CHECK(kept, err, CAST_ERR_MEMORY, "no memory for the mould's state");
+  rom_state_save(sim->mould, kept);
+  coupling_save(sim->coupling, kept + n);
+  coupling_settle(sim->coupling, sim->mould);
+  CastStatus status = row ? write_rows(sim, err) : CAST_OK;
+  if (status == CAST_OK && frame) status = write_frame(sim, err);
+  rom_state_restore(sim->mould, kept);
+  coupling_restore(sim->coupling, sim->mould, kept + n);
+  free(kept);
+  return status;
+}
+
 CastStatus sim_output_record(Sim *sim, CastError *err)
 {
   SimOutput *out = sim->output;
@@ -102,14 +120,10 @@ CastStatus sim_output_due(Sim *sim, CastError *err)
   if (!out) return CAST_OK;
   const double begun = log_wall_time(), t = sim->counts.time * (1.0 + 1e-12);
   if (sim->under_way) return CAST_OK; // just resumed: the step is not finished
-  if (t >= out->next_row) {
-    CAST_CALL(write_rows(sim, err));
-    out->next_row = next_time(t, rows_every(sim));
-  }
-  if (t >= out->next_frame) {
-    CAST_CALL(write_frame(sim, err));
-    out->next_frame = next_time(t, frames_every(sim));
-  }
+  const bool row = t >= out->next_row, frame = t >= out->next_frame;
+  if (row || frame) CAST_CALL(write_up_to_date(sim, row, frame, err));
+  if (row) out->next_row = next_time(t, rows_every(sim));
+  if (frame) out->next_frame = next_time(t, frames_every(sim));
   sim->counts.seconds[PHASE_OUTPUT] += log_wall_time() - begun;
   return CAST_OK;
 }

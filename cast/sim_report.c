@@ -105,6 +105,10 @@ static void report_steps(const Sim *sim)
   const double stiffness = c->coupling.mould_frozen ? 0.0 : rom_state_stiffness(sim->mould, h, dt);
   log_info(sim->log, "exchange  %.4g W/m2K from melt to wall, stiffness %.2g%s", h, stiffness,
            stiffness > 0.5 ? ": above 0.5, the exchange will take sub-steps" : " (stable below 0.5)");
+  const double interval = coupling_mould_interval(sim->coupling, sim->mould, sim->particles.n_fluid, dt);
+  if (interval >= 1.5 * dt)
+    log_info(sim->log, "mould     %zu states for %zu patches take a step for about every %.0f of the melt's",
+             sim->rom->r, sim->rom->m, interval / dt);
 }
 
 static void report_stages(const Sim *sim)

@@ -55,17 +55,18 @@ static CastStatus write_particles(const Sim *sim, hid_t file, CastError *err)
 
 static CastStatus write_mould(const Sim *sim, hid_t file, CastError *err)
 {
-  const size_t n = rom_state_size(sim->mould);
-  double *state = malloc((n + 1) * sizeof *state), coupling[COUPLING_SIZE];
+  const size_t n = rom_state_size(sim->mould), n_coupling = coupling_size(sim->coupling);
+  double *state = malloc((n + n_coupling) * sizeof *state);
   CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the mould's state");
   rom_state_save(sim->mould, state);
-  const CastStatus status =
+  coupling_save(sim->coupling, state + n);
+  CastStatus status =
       write_doubles(file, "mould", n, state, "", "state of the reduced model, as rom_state packs it", err);
+  if (status == CAST_OK)
+    status = write_doubles(file, "coupling", n_coupling, state + n, "",
+                           "the ledger's sums and heat on its way to the mould, as coupling packs them", err);
   free(state);
-  CAST_CALL(status);
-  coupling_save(sim->coupling, coupling);
-  return write_doubles(file, "coupling", COUPLING_SIZE, coupling, "J", "the ledger's sums, as coupling packs them",
-                       err);
+  return status;
 }
 
 /* Of the heat record: rows written and the interval begun. */
@@ -233,16 +234,17 @@ static CastStatus restore_particles(Sim *sim, hid_t file, CastError *err)
 
 static CastStatus restore_mould(Sim *sim, hid_t file, CastError *err)
 {
-  const size_t n = rom_state_size(sim->mould);
-  double *state = malloc((n + 1) * sizeof *state), coupling[COUPLING_SIZE];
+  const size_t n = rom_state_size(sim->mould), n_coupling = coupling_size(sim->coupling);
+  double *state = malloc((n + n_coupling) * sizeof *state);
   CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the mould's state");
-  const CastStatus status = read_doubles(file, "mould", n, state, err);
-  if (status == CAST_OK) rom_state_restore(sim->mould, state);
+  CastStatus status = read_doubles(file, "mould", n, state, err);
+  if (status == CAST_OK) status = read_doubles(file, "coupling", n_coupling, state + n, err);
+  if (status == CAST_OK) {
+    rom_state_restore(sim->mould, state);
+    coupling_restore(sim->coupling, sim->mould, state + n);
+  }
   free(state);
-  CAST_CALL(status);
-  CAST_CALL(read_doubles(file, "coupling", COUPLING_SIZE, coupling, err));
-  coupling_restore(sim->coupling, coupling);
-  return CAST_OK;
+  return status;
 }
 
 static CastStatus restore_freezing(Sim *sim, hid_t file, CastError *err)

@@ -41,6 +41,7 @@ static CastStatus build(Coupling *c, const Surface *surface, const Particles *pa
   CAST_CHECK(ok && c->law, err, CAST_ERR_MEMORY, "coupling: no memory for %zu patches", m);
   c->uniform.elsewhere.h = c->parameters.h_contact;
   const ContactLaws *laws = c->parameters.contact ? c->parameters.contact : &c->uniform;
+  CAST_CALL(mould_pace_create(c->rom, &c->pace, err));
   CAST_CALL(contact_laws_by_patch(laws, c->rom, c->sph->melt, c->law, err));
   if (surface) CAST_CALL(wetting_create(surface, c->sph, particles, &c->wetting, err));
   if (c->parameters.kind == COUPLING_SURFACE) return CAST_OK;
@@ -77,6 +78,7 @@ void coupling_destroy(Coupling **coupling)
   contacts_free(&c->contacts);
   wetting_destroy(&c->wetting);
   wall_temperature_destroy(&c->walls);
+  mould_pace_destroy(&c->pace);
   free(c->law);
   free(c->flow);
   free(c->sum);
@@ -183,7 +185,7 @@ EnergyLedger coupling_ledger(const Coupling *c, const RomState *state, const Par
 {
   EnergyLedger ledger = {.melt_start = c->melt_start,
                          .melt_now = melt_enthalpy(particles),
-                         .mould_now = rom_state_heat(state),
+                         .mould_now = rom_state_heat(state) + mould_pace_heat(c->pace),
                          .lost = rom_state_lost(state) + total_of(&c->absorbed),
                          .exchanged = total_of(&c->exchanged),
                          .removed = total_of(&c->removed),
@@ -203,19 +205,29 @@ void coupling_record_added(Coupling *c, double joules)
   total_add(&c->added, joules);
 }
 
-void coupling_save(const Coupling *c, double buffer[COUPLING_SIZE])
+enum { OWN_SIZE = 10 };
+
+size_t coupling_size(const Coupling *c)
 {
-  const double all[COUPLING_SIZE] = {c->melt_start,    c->exchanged.value, c->exchanged.low,
-                                     c->removed.value, c->removed.low,     c->absorbed.value,
-                                     c->absorbed.low,  c->added.value,     c->added.low};
-  for (int k = 0; k < COUPLING_SIZE; k++) buffer[k] = all[k];
+  return OWN_SIZE + mould_pace_size(c->pace);
 }
 
-void coupling_restore(Coupling *c, const double buffer[COUPLING_SIZE])
+void coupling_save(const Coupling *c, double *buffer)
+{
+  const double all[OWN_SIZE] = {c->melt_start,  c->exchanged.value, c->exchanged.low, c->removed.value,
+                                c->removed.low, c->absorbed.value,  c->absorbed.low,  c->added.value,
+                                c->added.low,   c->interval};
+  for (int k = 0; k < OWN_SIZE; k++) buffer[k] = all[k];
+  mould_pace_save(c->pace, buffer + OWN_SIZE);
+}
+
+void coupling_restore(Coupling *c, const RomState *state, const double *buffer)
 {
   c->melt_start = buffer[0];
   c->exchanged = (Total){buffer[1], buffer[2]};
   c->removed = (Total){buffer[3], buffer[4]};
   c->absorbed = (Total){buffer[5], buffer[6]};
   c->added = (Total){buffer[7], buffer[8]};
+  c->interval = buffer[9];
+  mould_pace_restore(c->pace, state, buffer + OWN_SIZE);
 }

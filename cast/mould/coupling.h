@@ -25,6 +25,9 @@ typedef struct CouplingParameters {
   CouplingKind kind;
   double h_contact;  // W/(m2 K); INFINITY: perfect contact (the paper); not used where `contact` is given
   bool mould_frozen; // the mould keeps its preheat temperature (to measure what the mould solve costs and changes)
+  double mould_interval; // s: the mould takes a step with the heat of all the melt's steps in at most this time; 0: with
+                         // each of the melt's; INFINITY: as often as accuracy and stability ask and its cost
+                         // allows. `surface` only
   const ContactLaws *contact; // borrowed; laws by surface, temperature, solid fraction; NULL: h_contact everywhere
 } CouplingParameters;
 
@@ -51,6 +54,12 @@ CastStatus coupling_rebuild(Coupling *coupling, const Particles *particles, cons
 CastStatus coupling_advance(Coupling *coupling, RomState *state, Particles *particles, const Neighbours *neighbours,
                             double dt, CastError *err);
 long coupling_substeps(const Coupling *coupling); // of the last coupling_advance
+/* The mould brought up to date with the melt, where it lags behind (mould_interval): before its state is looked at. */
+void coupling_settle(Coupling *coupling, RomState *state);
+/* Patch temperatures as the melt feels them, K [m]: those of the state, or where it lags behind their prediction. */
+const double *coupling_patch_temperature(const Coupling *coupling, const RomState *state);
+/* The interval, s, at which the mould would be stepped now with melt steps of dt. */
+double coupling_mould_interval(Coupling *coupling, const RomState *state, ptrdiff_t n_fluid, double dt);
 
 /* The two halves of a plain step, for callers that watch stability themselves.
  * exchange: add the heat from the mould to particles->heat (W) and fill the patch flows q [m] W (into the mould). The
@@ -74,7 +83,7 @@ bool coupling_check_stability(const Coupling *coupling, const RomState *state, d
 /* Melt + mould (1^T E V z) + lost, against the start: what a run's books show. */
 typedef struct EnergyLedger {
   double melt_start, melt_now; // J
-  double mould_now;            // J above preheat, from the state
+  double mould_now;            // J above preheat, from the state, and what is on its way there
   double lost;                 // J to the surroundings; with a frozen mould what went into that
   double exchanged;            // J, sum over steps and patches of |q| dt
   double removed;              // J carried by melt that left through an opening (0 if none)
@@ -110,7 +119,8 @@ CouplingContacts coupling_conductances(Coupling *coupling, const Particles *part
 void coupling_record_flows(Coupling *coupling, const RomState *state, Particles *particles, const double *q, double dt);
 
 /* For checkpoints: everything that changes during a run and is not made anew by coupling_rebuild. */
-enum { COUPLING_SIZE = 9 }; // doubles
-void coupling_save(const Coupling *coupling, double buffer[COUPLING_SIZE]);
-void coupling_restore(Coupling *coupling, const double buffer[COUPLING_SIZE]);
+size_t coupling_size(const Coupling *coupling); // doubles
+void coupling_save(const Coupling *coupling, double *buffer);
+/*  state  restored before */
+void coupling_restore(Coupling *coupling, const RomState *state, const double *buffer);
 #endif

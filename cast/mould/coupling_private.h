@@ -7,6 +7,7 @@
 
 #include "cast/mould/contacts.h"
 #include "cast/mould/coupling.h"
+#include "cast/mould/mould_pace.h"
 #include "cast/mould/wall_temperature.h"
 #include "cast/mould/wetting.h"
 
@@ -41,6 +42,8 @@ struct Coupling {
   double least_heat;             // J/(kg K), c above; 0: temperatures do not follow the enthalpy
   double eigenvalue[STEP_TABLE]; // m2 K/W, g(dt) at dt = 2^((index - STEP_ZERO)/STEPS_PER_OCTAVE) s; NAN: not yet known
   long substeps;
+  MouldPace *pace;
+  double interval; // s, between the mould's steps, as planned at its last
   double melt_start;                  // J
   Total exchanged, removed, added, absorbed; // J
 };

@@ -8,6 +8,9 @@
  *         with g that of A^(1/2) G A^(1/2), which grows with dt and is kept in a table of steps a factor 2^(1/4)
  *         apart. A particle is stable while K_i dt/(m_i c) < 1. Both are held below 1/2 by as many equal sub-steps as
  *         it takes, with the largest conductance that a contact's law can give: it may rise before the next look.
+ * Pace  A mould of many patches costs more than it is worth at each of the melt's steps: then it takes one for several
+ *       of them (mould_pace.h), no farther apart than a twentieth of the earliest time that its model is made for, no
+ *       farther than the same stiffness allows, and no farther than brings it to a hundredth of the melt's cost.
  * References  docs/theory, section 5 */
 #include "cast/mould/coupling_private.h"
 
@@ -109,7 +112,7 @@ static void set_conductances(Coupling *c, const Particles *p)
 
 static const double *sink_temperature(Coupling *c, const RomState *state)
 {
-  if (!c->walls) return rom_state_patch_temperature(state);
+  if (!c->walls) return mould_pace_temperature(c->pace, state);
   wall_temperature_update(c->walls, state);
   return wall_temperature(c->walls);
 }
@@ -146,7 +149,7 @@ static double power_of(const Contacts *contacts, ptrdiff_t k)
 /* What the wall particles show in results: the mould at their place, or of their patch where none was worked out. */
 static void show_wall_temperatures(const Coupling *c, const RomState *state, Particles *p)
 {
-  const double *patch = rom_state_patch_temperature(state);
+  const double *patch = mould_pace_temperature(c->pace, state);
 #pragma omp parallel for schedule(static)
   for (ptrdiff_t k = 0; k < p->n - p->n_fluid; k++) {
     const bool own = c->walls && wall_temperature_in_use(c->walls, k);
@@ -183,9 +186,21 @@ static void count_exchanged(Coupling *c, double dt)
   if (c->parameters.mould_frozen) total_add(&c->absorbed, net * dt);
 }
 
+void coupling_settle(Coupling *c, RomState *state)
+{
+  mould_pace_step(c->pace, state);
+}
+
+const double *coupling_patch_temperature(const Coupling *c, const RomState *state)
+{
+  return mould_pace_temperature(c->pace, state);
+}
+
 void coupling_step_mould(Coupling *c, RomState *state, Particles *particles, double dt)
 {
   count_exchanged(c, dt);
+  coupling_settle(c, state);
+  mould_pace_forget(c->pace);
   if (!c->parameters.mould_frozen) rom_state_step(state, c->flow, dt);
   if (particles) show_wall_temperatures(c, state, particles);
 }
@@ -221,6 +236,53 @@ static CastStatus choose_substeps(Coupling *c, const RomState *state, double dt,
     c->substeps = c->substeps < 3 ? c->substeps + 1 : lround((double)c->substeps * finer[turn % 2]);
   }
   return CAST_OK;
+}
+
+/* ---- pace ---- */
+
+static const double share_of_start = 0.05; // of t_start
+/* A particle's step costs as much as this many of the r m numbers of the mould's, read and multiplied twice, times the
+ * share of it that the mould may take: a hundredth of 240 ns over 0.4 ns. */
+static const double numbers_per_particle = 6.0;
+
+static double largest_interval(const Coupling *c, ptrdiff_t n_fluid, double dt)
+{
+  const double given = c->parameters.mould_interval;
+  if (c->walls || c->parameters.mould_frozen || isfinite(given)) return c->walls ? 0.0 : given;
+  const double steps = ceil((double)c->rom->r * (double)c->rom->m / (numbers_per_particle * (double)n_fluid));
+  return fmin(steps * dt, share_of_start * c->rom->t_start);
+}
+
+double coupling_mould_interval(Coupling *c, const RomState *state, ptrdiff_t n_fluid, double dt)
+{
+  const double conductance = coupling_conductance(c);
+  double interval = largest_interval(c, n_fluid, dt);
+  while (interval > dt && conductance * step_eigenvalue(c, state, interval) > coupling_stable) interval *= 0.5;
+  return fmax(interval, dt);
+}
+
+/* Is it time, the flows of the melt's step dt being the last to be gathered? */
+static bool mould_is_due(Coupling *c, const RomState *state, ptrdiff_t n_fluid, double dt)
+{
+  const double elapsed = mould_pace_elapsed(c->pace);
+  if (elapsed == 0.0) c->interval = coupling_mould_interval(c, state, n_fluid, dt);
+  if (elapsed + 1.5 * dt > c->interval) return true; // another step would go beyond
+  return coupling_conductance(c) * step_eigenvalue(c, state, c->interval) > coupling_stable;
+}
+
+/* The mould's part of a plain step. */
+static void pass_to_mould(Coupling *c, RomState *state, ptrdiff_t n_fluid, double dt)
+{
+  count_exchanged(c, dt);
+  if (c->parameters.mould_frozen) return;
+  const bool due = mould_is_due(c, state, n_fluid, dt);
+  if (due && mould_pace_elapsed(c->pace) == 0.0 && c->interval <= dt) { // each step is the mould's too
+    mould_pace_forget(c->pace);
+    rom_state_step(state, c->flow, dt);
+    return;
+  }
+  mould_pace_gather(c->pace, state, c->flow, dt);
+  if (due) mould_pace_step(c->pace, state);
 }
 
 /* The near particles' temperatures after dt of the wall's power and the conduction already in particles->heat. */
@@ -270,12 +332,16 @@ CastStatus coupling_advance(Coupling *c, RomState *state, Particles *particles, 
   begin_exchange(c, state, particles);
   CAST_CALL(choose_substeps(c, state, dt, err));
   if (c->substeps > 1) {
+    if (mould_pace_elapsed(c->pace) > 0.0) {
+      coupling_settle(c, state);
+      set_powers(c, state);
+    }
     advance_in_substeps(c, state, particles, dt);
   } else {
 #pragma omp parallel for schedule(static)
     for (ptrdiff_t k = 0; k < c->contacts.n_near; k++)
       particles->heat[c->contacts.near[k]] -= power_of(&c->contacts, k);
-    coupling_step_mould(c, state, NULL, dt);
+    pass_to_mould(c, state, particles->n_fluid, dt);
   }
   return CAST_OK;
 }

@@ -39,10 +39,12 @@ struct RomState {
   double dt;               // s, of the coefficients below
   double *phi, *lag;       // [r] s
   size_t n_chunks;
-  double *partial;    // [n_chunks*m] K, each chunk's part of the patch temperatures
-  double *chunk_loss; // [n_chunks] J
-  OuterWalls *walls;  // borrowed; NULL: the ROM's own conditions hold
-  double *wall_heat;  // [walls] J since last taken
+  double *partial;          // [n_chunks*m] K, each chunk's part of the patch temperatures
+  double *chunk_loss;       // [n_chunks] J
+  double *further;          // [n_chunks*m] K, the same one step ahead; NULL until asked for
+  bool look_further;        // in this step
+  OuterWalls *walls;        // borrowed; NULL: the ROM's own conditions hold
+  double *wall_heat;        // [walls] J since last taken
   double *wall_flow, *flow; // [walls], [m] W, of a step
   double *T_free;           // [walls] K, at its end without these
 };
@@ -107,6 +109,7 @@ void rom_state_destroy(RomState **state)
   free(s->temperature);
   free(s->partial);
   free(s->chunk_loss);
+  free(s->further);
   free(s->wall_heat);
   free(s->wall_flow);
   free(s->T_free);
@@ -187,6 +190,17 @@ SIMD_CLONES static void add_scaled(double scale, const double *a, double *sum, s
   for (size_t l = 0; l < n; l++) sum[l] += scale * a[l];
 }
 
+/* Two such sums of one row, which is read once. */
+SIMD_CLONES static void add_scaled_twice(const double scale[2], const double *a, double *sum, double *other, size_t n)
+{
+  const double first = scale[0], second = scale[1];
+#pragma omp simd
+  for (size_t l = 0; l < n; l++) {
+    sum[l] += first * a[l];
+    other[l] += second * a[l];
+  }
+}
+
 /* z_k += phi (u - lambda z); returns the mode's loss in the step, J. */
 static double step_mode(RomState *s, size_t k, double u)
 {
@@ -200,16 +214,27 @@ static double step_mode(RomState *s, size_t k, double u)
   return rom->constant[k] * (decay + s->lag[k] * all - s->dt * drive);
 }
 
+/* z_k after one more step with the same u. */
+static double one_further(const RomState *s, size_t k, double u)
+{
+  const double all = u + s->rom->ambient[k] * (s->ambient - s->preheat);
+  return s->z[k] + s->phi[k] * (all - s->rom->lambda[k] * s->z[k]);
+}
+
 static void step_chunk(RomState *s, size_t chunk, const double *q)
 {
   const size_t m = s->rom->m, first = chunk * CHUNK_ROWS, r = s->rom->r;
   const size_t end = first + CHUNK_ROWS < r ? first + CHUNK_ROWS : r;
-  double *partial = s->partial + chunk * m, loss = 0.0;
+  double *partial = s->partial + chunk * m, *further = s->look_further ? s->further + chunk * m : NULL, loss = 0.0;
   memset(partial, 0, m * sizeof *partial);
+  if (further) memset(further, 0, m * sizeof *further);
   for (size_t k = first; k < end; k++) {
-    const double *row = s->rom->B + k * m;
-    loss += step_mode(s, k, dot(row, q, m));
-    add_scaled(s->z[k], row, partial, m);
+    const double *row = s->rom->B + k * m, u = dot(row, q, m);
+    loss += step_mode(s, k, u);
+    if (further)
+      add_scaled_twice((const double[2]){s->z[k], one_further(s, k, u)}, row, partial, further, m);
+    else
+      add_scaled(s->z[k], row, partial, m);
   }
   s->chunk_loss[chunk] = loss;
 }
@@ -259,6 +284,18 @@ void rom_state_step(RomState *s, const double *q, double dt)
   s->time += dt;
 }
 
+void rom_state_step_ahead(RomState *s, const double *q, double dt, double *ahead)
+{
+  const size_t m = s->rom->m;
+  if (!s->further) s->further = malloc(s->n_chunks * m * sizeof *s->further);
+  s->look_further = s->further != NULL;
+  rom_state_step(s, q, dt);
+  for (size_t l = 0; l < m; l++) ahead[l] = s->look_further ? s->preheat : s->temperature[l]; // no memory: as it is
+  for (size_t chunk = 0; chunk < s->n_chunks && s->look_further; chunk++)
+    add_scaled(1.0, s->further + chunk * m, ahead, m);
+  s->look_further = false;
+}
+
 double rom_state_flops(const RomState *s)
 {
   return (double)s->rom->r * (4.0 * (double)s->rom->m + 20.0);
@@ -284,6 +321,11 @@ const double *rom_state_patch_temperature(const RomState *s)
 const double *rom_state_z(const RomState *s)
 {
   return s->z;
+}
+
+const RomData *rom_state_model(const RomState *s)
+{
+  return s->rom;
 }
 
 double rom_state_preheat(const RomState *s)

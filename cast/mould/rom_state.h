@@ -20,6 +20,8 @@ CastStatus rom_state_set_walls(RomState *state, OuterWalls *walls, CastError *er
 void rom_state_take_wall_heat(RomState *state, double *heat);
 /* One step of dt with the heat flows q [m] W, constant over it; patch temperatures are refreshed. */
 void rom_state_step(RomState *state, const double *q, double dt);
+/* The same, and what the patch temperatures would be after another such step with the same flows, ahead [m] K. */
+void rom_state_step_ahead(RomState *state, const double *q, double dt, double *ahead);
 double rom_state_time(const RomState *state);
 size_t rom_state_n_patches(const RomState *state);
 const double *rom_state_patch_temperature(const RomState *state); // [m] K
@@ -40,6 +42,7 @@ CastStatus rom_state_step_matrix(const RomState *state, double dt, size_t n, con
                                  CastError *err);
 /* Temperature, K, at the ROM's geometry points [n_points]. */
 void rom_state_point_temperature(const RomState *state, double *temperature);
+const RomData *rom_state_model(const RomState *state);
 /* Multiplications and additions of one step: what the paper counts. */
 double rom_state_flops(const RomState *state);
 /* For checkpoints: everything that changes during a run. */

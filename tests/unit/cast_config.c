@@ -235,6 +235,7 @@ static void the_resolved_input_reads_again_to_the_same_bits(void **state)
     assert_int_equal(first->density, second->density);
     assert_int_equal(first->coupling.kind, second->coupling.kind);
     assert_int_equal(first->coupling.mould_frozen, second->coupling.mould_frozen);
+    assert_true(first->coupling.mould_interval == second->coupling.mould_interval);
     assert_int_equal(first->cut_tension, second->cut_tension);
     assert_int_equal(first->scheme, second->scheme);
     assert_int_equal(first->has_level, second->has_level);
@@ -432,6 +433,28 @@ static void all_faults_are_told_at_once(void **state)
     if (!strstr(err.message, parts[i])) fail_msg("'%s' is not said in:\n%s", parts[i], err.message);
 }
 
+static void the_interval_of_the_moulds_steps_is_read_and_resolved(void **state)
+{
+  (void)state;
+  static const char *const words[] = {"auto", "each", "20 us"};
+  static const double expected[] = {(double)INFINITY, 0.0, 20e-6};
+  for (int k = 0; k < 3; k++) {
+    char text[4096];
+    CastError err = {CAST_OK, ""};
+    snprintf(text, sizeof text, "%scoupling: { mould_step: %s }\n", LEAST, words[k]);
+    CastConfig *config = read_text(text, "cast.yaml");
+    const double found = config->coupling.mould_interval;
+    assert_true(found == expected[k] || fabs(found - expected[k]) < 1e-15 * expected[k]); // units rounded
+    char *resolved = NULL;
+    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
+    CastConfig *again = read_text(resolved, "/elsewhere/resolved.yaml");
+    assert_true(again->coupling.mould_interval == found);
+    free(resolved);
+    cast_config_destroy(&config);
+    cast_config_destroy(&again);
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -444,6 +467,7 @@ int main(void)
       cmocka_unit_test(outer_walls_arrive_and_are_written_again),
       cmocka_unit_test(a_sound_speed_that_was_chosen_stands_in_the_resolved_input),
       cmocka_unit_test(all_faults_are_told_at_once),
+      cmocka_unit_test(the_interval_of_the_moulds_steps_is_read_and_resolved),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
