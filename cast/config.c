@@ -229,7 +229,7 @@ static CastStatus read_output(YamlNode node, CastConfig *config, CastError *err)
 static void check_sound_speed(YamlNode root, const CastConfig *config)
 {
   const Drive *forces = &config->drive;
-  double drive = forces->speed.n || config->n_inlets ? 1.0 : 0.0;
+  double drive = forces->speed.n || config->n_inlets || config->gas.pressure.n ? 1.0 : 0.0;
   for (int d = 0; d < 3; d++)
     for (size_t i = 0; i < forces->n; i++) drive += fabs(forces->gravity[i][d] + forces->acceleration[d]);
   for (size_t i = 0; i < config->n_blocks; i++)
@@ -287,6 +287,7 @@ void cast_config_destroy(CastConfig **config)
   material_destroy(&old->melt);
   contact_laws_destroy(&old->contact);
   drive_destroy(&old->drive);
+  table_destroy(&old->gas.pressure);
   config_destroy_pour(old);
   char *texts[] = {old->title,         old->rom_path,   old->melt_reference,
                    old->output.folder, old->input_path, old->input_text};

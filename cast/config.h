@@ -5,6 +5,7 @@
 #include "cast/io/filling.h"
 #include "cast/mould/coupling.h"
 #include "cast/physics/drive.h"
+#include "cast/pour/gas.h"
 #include "cast/pour/inlet.h"
 #include "cast/pour/outlet.h"
 
@@ -56,6 +57,7 @@ typedef struct CastConfig {
   bool has_level;                     // melt fills the cavity below this height at the start
   double level;                       // m
   Drive drive;                        // gravity, tilting, spinning
+  GasConfig gas;
   ContactLaws contact;
   CouplingParameters coupling; // .contact points to the laws above
   double spacing;              // m

@@ -3,6 +3,7 @@
  *     gravity: [0, 0, -9.81 m/s^2]  |  [[0 s, [..]], [2 s, [..]]]
  *     acceleration: [..]                                            besides gravity, fixed to the mould
  *     tilt: { axis: [0, 1, 0], angle: [[0 s, 0 deg], [2 s, 90 deg]] }
+ *     gas: { pressure: 30 kPa  |  [[0 s, 0 kPa], [50 ms, 30 kPa]], from: { corner: [..], size: [..] } }
  *     spin: { point: [..], axis: [0, 0, 1], speed: 600 rpm  |  [[0 s, 0 rpm], [0.3 s, 600 rpm]] } */
 #include <math.h>
 #include <stdio.h>
@@ -81,6 +82,22 @@ static void read_spin(YamlNode node, Drive *drive)
   config_read_timed(yaml_require(node, "speed"), "rad/s", YAML_ANY, &drive->speed);
 }
 
+static void read_gas(YamlNode node, GasConfig *gas)
+{
+  if (!yaml_exists(node)) return;
+  config_read_timed(yaml_require(node, "pressure"), "Pa", YAML_NON_NEGATIVE, &gas->pressure);
+  const YamlNode from = yaml_require(node, "from");
+  if (!yaml_exists(from)) return;
+  const YamlNode corner = yaml_require(from, "corner"), size = yaml_require(from, "size");
+  if (yaml_exists(corner) && !yaml_vector(corner, "m", gas->corner)) memset(gas->corner, 0, sizeof gas->corner);
+  if (!yaml_exists(size) || !yaml_vector(size, "m", gas->size)) return;
+  for (int d = 0; d < 3; d++)
+    if (!(gas->size[d] > 0.0)) {
+      yaml_problem(size, "each of the three lengths must be above 0 m, %g m was found", gas->size[d]);
+      return;
+    }
+}
+
 CastStatus config_read_forces(YamlNode node, CastConfig *config, CastError *err)
 {
   Drive *drive = &config->drive;
@@ -91,6 +108,7 @@ CastStatus config_read_forces(YamlNode node, CastConfig *config, CastError *err)
     memset(drive->acceleration, 0, sizeof drive->acceleration);
   read_tilt(tilt, drive);
   read_spin(spin, drive);
+  read_gas(yaml_get(node, "gas"), &config->gas);
   if (yaml_exists(tilt) && drive->n > 1) yaml_problem(tilt, "gravity changes with time already; give one of the two");
   if (yaml_exists(tilt) && yaml_exists(spin))
     yaml_problem(tilt, "a mould that spins cannot be tilted as well: about which axis first?");
@@ -145,6 +163,14 @@ void config_put_forces(FILE *out, const CastConfig *config)
     config_put_direction(out, drive->spin_axis);
     fputs("\n    speed: ", out);
     config_put_timed(out, &drive->speed, "rad/s");
+  }
+  if (config->gas.pressure.n) {
+    fputs("\n  gas:\n    pressure: ", out);
+    config_put_timed(out, &config->gas.pressure, "Pa");
+    fputs("\n    from:\n      corner: ", out);
+    config_put_vector(out, config->gas.corner, "m");
+    fputs("\n      size: ", out);
+    config_put_vector(out, config->gas.size, "m");
   }
   fputc('\n', out);
 }

@@ -13,11 +13,18 @@ enum { MOST_STEPS_BETWEEN_REBUILDS = 128 };
 
 /* ---- life ---- */
 
+CastStatus sim_rebuild(Sim *sim, CastError *err)
+{
+  CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
+  return sim->gas ? gas_rebuild(sim->gas, &sim->particles, err) : CAST_OK;
+}
+
 static CastStatus first_rates(Sim *sim, CastError *err)
 {
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
-  CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
+  CAST_CALL(sim_rebuild(sim, err));
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
+  if (sim->gas) sim_gas_push(sim, 0.0);
   sim_pour_carry(sim);
   return CAST_OK;
 }
@@ -35,6 +42,7 @@ static CastStatus build(Sim *sim, CastError *err)
   const CastConfig *c = sim->config;
   CAST_CALL(sim_setup_geometry(sim, err));
   CAST_CALL(sim_setup_particles(sim, err));
+  CAST_CALL(sim_gas_create(sim, err));
   CAST_CALL(rom_state_create(sim->rom, c->scheme, c->preheat, c->ambient, &sim->mould, err));
   CAST_CALL(set_walls(sim, err));
   CAST_CALL(neighbours_create(kernel_support(c->kernel) * sim->sph.h, neighbours_skin(c->spacing), sim->surface,
@@ -74,6 +82,7 @@ void sim_destroy(Sim **sim)
   freezing_destroy(&s->freezing);
   sim_pour_destroy(s);
   arrival_destroy(&s->arrival);
+  gas_destroy(&s->gas);
   filling_destroy(&s->filling);
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);
@@ -127,7 +136,7 @@ static CastStatus update_lists(Sim *sim, CastError *err)
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, force, &sim->rebuilt, err));
   sim->lists_stale = false;
   sim->counts.since_rebuild = sim->rebuilt ? 0.0 : sim->counts.since_rebuild + 1.0;
-  return sim->rebuilt ? coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err) : CAST_OK;
+  return sim->rebuilt ? sim_rebuild(sim, err) : CAST_OK;
 }
 
 static CastStatus finish(Sim *sim, CastError *err)
@@ -163,6 +172,7 @@ static CastStatus second_half(Sim *sim, CastError *err)
   double clock = log_wall_time();
   sim_set_forces(sim, sim->counts.time + sim->counts.dt);
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
+  if (sim->gas) sim_gas_push(sim, sim->counts.time + sim->counts.dt);
   lap(sim, PHASE_RATES, &clock);
   CAST_CALL(coupling_advance(sim->coupling, sim->mould, &sim->particles, sim->neighbours, sim->counts.dt, err));
   CAST_CALL(sim_output_record(sim, err));

@@ -8,6 +8,44 @@ void sim_set_forces(Sim *sim, double time)
   drive_at(&sim->config->drive, time, &sim->sph);
 }
 
+/* ---- gas ---- */
+
+/* The cavity, the melt at the start and the input's box, and two cells around them. */
+CastStatus sim_gas_create(Sim *sim, CastError *err)
+{
+  const GasConfig *gas = &sim->config->gas;
+  const Particles *p = &sim->particles;
+  if (gas->pressure.n == 0) return CAST_OK;
+  double low[3], high[3];
+  for (int d = 0; d < 3; d++) {
+    low[d] = gas->corner[d];
+    high[d] = gas->corner[d] + gas->size[d];
+    for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+      low[d] = fmin(low[d], p->x[d][i]);
+      high[d] = fmax(high[d], p->x[d][i]);
+    }
+    for (size_t t = 0; t < sim->rom->n_triangles; t++) {
+      if (sim->rom->patch[sim->rom->triangle_patch[t]].outer) continue;
+      for (int k = 0; k < 3; k++) {
+        const double x = sim->rom->points[3 * sim->rom->triangles[3 * t + (size_t)k] + d];
+        low[d] = fmin(low[d], x);
+        high[d] = fmax(high[d], x);
+      }
+    }
+    low[d] -= 2.0 * sim->config->spacing;
+    high[d] += 2.0 * sim->config->spacing;
+  }
+  return gas_create(gas, sim->surface, sim->config->spacing, low, high, &sim->gas, err);
+}
+
+void sim_gas_push(Sim *sim, double time)
+{
+  const double pressure = table_evaluate(&sim->config->gas.pressure, time);
+  gas_push(sim->gas, &sim->sph, sim->neighbours, pressure, &sim->particles);
+}
+
+/* ---- how fast ---- */
+
 typedef struct Extent {
   double least, most; // m2/s2
 } Extent;
@@ -68,12 +106,14 @@ double sim_drive_gain(const Sim *sim)
   enum { SAMPLES = 32 };
   const Drive *drive = &sim->config->drive;
   const double end = sim->config->end;
-  double most = gain_at(sim, 0.0);
-  if (drive_is_steady(drive)) return most;
+  const Table *gas = &sim->config->gas.pressure;
+  double most = gain_at(sim, 0.0), pressed = 0.0;
+  for (size_t k = 0; k < gas->n; k++) pressed = fmax(pressed, gas->y[k] / sim->sph.rho0);
+  if (drive_is_steady(drive)) return most + pressed;
   for (int k = 1; k <= SAMPLES; k++) most = fmax(most, gain_at(sim, end * k / SAMPLES));
   for (size_t k = 0; isfinite(drive_kink(drive, k)); k++) {
     const double time = drive_kink(drive, k);
     if (time > 0.0 && time < end) most = fmax(most, gain_at(sim, time));
   }
-  return most;
+  return most + pressed;
 }

@@ -73,6 +73,7 @@ struct Sim {
   Inlet *inlet;                   // [config->n_inlets]
   uint8_t **outlet_patches;       // [config->n_outlets]
   Poured *poured;                 // [n_inlets + n_outlets]
+  Gas *gas;                       // NULL: none presses
   double box_low[3], box_high[3]; // m; melt outside is taken out
   RomState *mould;
   OuterWalls *walls; // NULL: as in the ROM
@@ -92,13 +93,18 @@ struct Sim {
   SimOutput *output; // NULL: nothing is written
 };
 
+/* sim.c */
+CastStatus sim_rebuild(Sim *sim, CastError *err); // what goes by the neighbour lists, once they are new
+
 /* sim_setup.c */
 CastStatus sim_setup_geometry(Sim *sim, CastError *err);  // rom, surface, lattice, sph
 CastStatus sim_setup_particles(Sim *sim, CastError *err); // melt and walls
 
 /* sim_drive.c */
 void sim_set_forces(Sim *sim, double time); // gravity and spin of sim->sph
-/* m2/s2: the most that gravity and spin may do to a unit of mass on its way from where melt is at the start to the
+CastStatus sim_gas_create(Sim *sim, CastError *err);
+void sim_gas_push(Sim *sim, double time); // after sph_rates
+/* m2/s2: the most that gravity, spin and gas may do to a unit of mass on its way from where melt is at the start to the
  * farthest wall of the cavity, at any time of the filling. */
 double sim_drive_gain(const Sim *sim);
 

@@ -82,6 +82,10 @@ static void report_forces(const Sim *sim)
     log_info(sim->log, "spin      up to %.4g rad/s (%.4g rpm) about (%.3g, %.3g, %.3g), through (%.3g, %.3g, %.3g) mm",
              most, most * 60.0 / (2.0 * pair_pi), drive->spin_axis[0], drive->spin_axis[1], drive->spin_axis[2],
              1e3 * drive->spin_point[0], 1e3 * drive->spin_point[1], 1e3 * drive->spin_point[2]);
+  const GasConfig *gas = &sim->config->gas;
+  if (gas->pressure.n)
+    log_info(sim->log, "gas       from %.4g to %.4g kPa over the melt", 1e-3 * gas->pressure.y[0],
+             1e-3 * gas->pressure.y[gas->pressure.n - 1]);
   if (drive->tilt.n)
     log_info(sim->log, "tilt      from %.4g to %.4g deg about (%.3g, %.3g, %.3g)", drive->tilt.y[0] * 180.0 / pair_pi,
              drive->tilt.y[drive->tilt.n - 1] * 180.0 / pair_pi, drive->tilt_axis[0], drive->tilt_axis[1],

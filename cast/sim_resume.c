@@ -312,7 +312,7 @@ static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *
   CAST_CALL(restore_progress(sim, file, err));
   if (sim->counts.stage == STAGE_COOL) return sim_cool_resume(sim, err);
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
-  CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
+  CAST_CALL(sim_rebuild(sim, err));
   filling_update(sim->filling, &sim->particles, sim->counts.time);
   sim->rebuilt = true;
   sim->under_way = true;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "common/vector.h"
 
 void drive_destroy(Drive *drive)
 {
@@ -13,43 +14,29 @@ void drive_destroy(Drive *drive)
   *drive = (Drive){0};
 }
 
-static double dot(const double a[3], const double b[3])
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* v turned about the unit axis by an angle (Rodrigues). */
 static void turn(const double axis[3], double angle, double v[3])
 {
-  const double c = cos(angle), s = sin(angle), along = dot(axis, v) * (1.0 - c);
-  const double u[3] = {v[0], v[1], v[2]};
-  for (int d = 0; d < 3; d++) {
-    const int e = (d + 1) % 3, f = (d + 2) % 3;
-    v[d] = c * u[d] + s * (axis[e] * u[f] - axis[f] * u[e]) + along * axis[d];
-  }
+  const double c = cos(angle), s = sin(angle), along = vec_dot(axis, v) * (1.0 - c);
+  double across[3];
+  vec_cross(axis, v, across);
+  for (int d = 0; d < 3; d++) v[d] = c * v[d] + s * across[d] + along * axis[d];
 }
 
 /* From a to b: the size evenly, the direction along the great circle. Opposite directions, between which there is
  * none, and vectors of no size go straight. */
 static void between(const double a[3], const double b[3], double part, double v[3])
 {
-  const double size_a = sqrt(dot(a, a)), size_b = sqrt(dot(b, b));
+  const double size_a = vec_norm(a), size_b = vec_norm(b);
   double normal[3];
-  for (int d = 0; d < 3; d++) {
-    const int e = (d + 1) % 3, f = (d + 2) % 3;
-    normal[d] = a[e] * b[f] - a[f] * b[e];
-  }
-  const double size_n = sqrt(dot(normal, normal));
+  vec_cross(a, b, normal);
+  const double size_n = vec_normalise(normal);
   if (size_n <= 1e-12 * size_a * size_b) {
     for (int d = 0; d < 3; d++) v[d] = a[d] + part * (b[d] - a[d]);
     return;
   }
-  const double size = size_a + part * (size_b - size_a);
-  for (int d = 0; d < 3; d++) {
-    normal[d] /= size_n;
-    v[d] = a[d] / size_a * size;
-  }
-  turn(normal, part * atan2(size_n, dot(a, b)), v);
+  for (int d = 0; d < 3; d++) v[d] = a[d] * (1.0 + part * (size_b / size_a - 1.0));
+  turn(normal, part * atan2(size_n, vec_dot(a, b)), v);
 }
 
 static void gravity_at(const Drive *drive, double time, double g[3])
@@ -95,13 +82,9 @@ double drive_potential(const SphParameters *sph, const double x[3])
 bool drive_is_steady(const Drive *drive)
 {
   // a mould that spins about an axis that is not upright feels gravity go round
-  double across = 0.0;
-  for (int d = 0; d < 3 && drive->speed.n && drive->n; d++) {
-    const int e = (d + 1) % 3, f = (d + 2) % 3;
-    const double *g = drive->gravity[0], *w = drive->spin_axis;
-    across = fmax(across, fabs(g[e] * w[f] - g[f] * w[e]));
-  }
-  return drive->n <= 1 && drive->tilt.n <= 1 && drive->speed.n <= 1 && across == 0.0;
+  double across[3] = {0.0, 0.0, 0.0};
+  if (drive->speed.n && drive->n) vec_cross(drive->gravity[0], drive->spin_axis, across);
+  return drive->n <= 1 && drive->tilt.n <= 1 && drive->speed.n <= 1 && vec_norm(across) == 0.0;
 }
 
 double drive_kink(const Drive *drive, size_t k)

@@ -324,14 +324,21 @@ static void forces_that_change_with_time_arrive_and_are_written_again(void **sta
       "{ gravity: 0 0 -9.81 m/s^2, spin: { point: [-150 mm, 0 mm, 1 mm], axis: [0, 1, 2], speed: [[0 s, 0 rpm], [0.3 "
       "s, "
       "600 rpm]] } }",
-      "{ gravity: 0 0 -9.81 m/s^2, spin: { point: 0 0 0 m, axis: [0, 0, 1], speed: 300 rpm } }"};
-  for (int k = 0; k < 4; k++) {
+      "{ gravity: 0 0 -9.81 m/s^2, spin: { point: 0 0 0 m, axis: [0, 0, 1], speed: 300 rpm } }",
+      "{ gravity: 0 0 -9.81 m/s^2, gas: { pressure: [[0 s, 0 kPa], [50 ms, 33 kPa]], from: { corner: -1 -2 3 mm, size: "
+      "2 "
+      "4 1 mm } } }"};
+  for (int k = 0; k < 5; k++) {
     CastConfig *first = read_with_forces(forces[k]);
     char *resolved = NULL;
     CastError err = {0};
     assert_int_equal(cast_config_resolved(first, 0.0, &resolved, &err), CAST_OK);
     CastConfig *second = read_text(resolved, "/elsewhere/resolved.yaml");
     assert_same_drive(&first->drive, &second->drive);
+    assert_same_table(&first->gas.pressure, &second->gas.pressure);
+    assert_memory_equal(first->gas.corner, second->gas.corner, sizeof first->gas.corner);
+    assert_memory_equal(first->gas.size, second->gas.size, sizeof first->gas.size);
+    if (k == 4) assert_close(first->gas.pressure.y[1], 33e3, 1e-9);
     if (k == 0) assert_close(first->drive.gravity[1][0], 9.81, 1e-15);
     if (k == 1) assert_close(first->drive.tilt.y[1], 77.0 * M_PI / 180.0, 1e-15);
     if (k == 1) assert_close(first->drive.tilt_axis[1], 3.0 / sqrt(10.0), 1e-15);
