@@ -22,7 +22,7 @@ static const char HELP[] =
     "  castrun run CAST.yaml        compute; results go to the folder that the input names\n"
     "  castrun check CAST.yaml      read all inputs, say what would be computed and what is wrong\n"
     "  castrun resume FOLDER        go on from FOLDER/checkpoint.h5\n"
-    "  castrun draw FOLDER          draw FOLDER/filling.png and FOLDER/curves.png\n"
+    "  castrun draw FOLDER          draw filling.png, speed.png, pressure.png and curves.png there\n"
     "  castrun sweep STUDY.yaml     many runs of one case: lists, grids, Latin hypercube, bisection\n"
     "  castrun info FILE            what a ROM (mould.rom.h5) or a results file (results.vtkhdf) holds\n"
     "\n"

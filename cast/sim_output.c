@@ -211,6 +211,8 @@ static void remove_old(const SimOutput *out)
                                       "probes.csv",
                                       "tracers.csv",
                                       "filling.png",
+                                      "speed.png",
+                                      "pressure.png",
                                       "curves.png",
                                       "fill-time.png",
                                       "solidification-time.png",

@@ -4,8 +4,8 @@
 
 #include "common/log.h"
 
-/* filling.png: frames of the filling, melt and cut mould coloured by temperature; curves.png: probes and tracers over
- * time. Errors: CAST_ERR_IO, CAST_ERR_FORMAT. */
+/* filling.png: frames of the filling, melt and cut mould coloured by temperature; speed.png, pressure.png: the melt by
+ * speed and pressure; curves.png: probes and tracers over time. Errors: CAST_ERR_IO, CAST_ERR_FORMAT. */
 CastStatus draw_folder(const char *folder, Log *log, CastError *err);
 
 #endif

@@ -1,6 +1,6 @@
-/* draw_filling.c - filling.png: frames of the filling. The melt's particles coloured by temperature, in the mould cut
- * through the middle: the far half of its surface, and the cut through the near-wall band in the mould's temperature.
- */
+/* draw_filling.c - filling.png, speed.png, pressure.png: frames of the filling. The melt's particles coloured by one of
+ * their fields, in the mould cut through the middle: the far half of its surface, and the cut through the near-wall
+ * band, with the melt's temperature in that of the mould, else grey. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -14,6 +14,21 @@
 
 enum { MOST_FRAMES = 6, ACROSS = 3, PANEL = 500, BARS = 200, TITLE = 40 };
 static const double ZERO_CELSIUS = 273.15; // K
+
+typedef struct MeltField {
+  const char *data; // in the results
+  int components;   // of more than one the size is drawn
+  double zero, unit;
+  PictureMap colours;
+  const char *label;
+  double clipped; // this part of the values may lie beyond either end of the scale
+} MeltField;
+
+static const MeltField FIELDS[] = {
+    [DRAW_TEMPERATURE] = {"PointData/temperature", 1, 273.15, 1.0, PICTURE_HEAT, "melt, degC", 0.0},
+    [DRAW_SPEED] = {"PointData/velocity", 3, 0.0, 1.0, PICTURE_VIRIDIS, "speed, m/s", 0.002},
+    [DRAW_PRESSURE] = {"PointData/pressure", 1, 0.0, 1e3, PICTURE_VIRIDIS, "pressure, kPa", 0.01},
+};
 
 typedef struct Range {
   double low, high;
@@ -38,13 +53,14 @@ typedef struct Filling {
   char *title;
   Mould mould;
   double low[3], high[3]; // m, the box of mould and melt at the start
-  Range melt_T, mould_T;  // degC
+  const MeltField *field;
+  Range melt, mould_T; // in the field's unit, degC
 } Filling;
 
 /* The melt of one step; y and z follow x in the same room. */
 typedef struct Melt {
   size_t n;
-  double *x[3], *T; // m, degC
+  double *x[3], *value; // m, in the field's unit
 } Melt;
 
 /* ---- reading ---- */
@@ -139,25 +155,38 @@ static void free_melt(Melt *melt)
   *melt = (Melt){0};
 }
 
+static double value_of(const MeltField *field, const float *value, size_t i)
+{
+  if (field->components == 1) return ((double)value[i] - field->zero) / field->unit;
+  double sum = 0.0;
+  for (int d = 0; d < field->components; d++) {
+    const double one = (double)value[(size_t)field->components * i + (size_t)d];
+    sum += one * one;
+  }
+  return sqrt(sum) / field->unit;
+}
+
 static CastStatus read_melt(const Filling *f, const VtkStep *step, Melt *melt, CastError *err)
 {
-  float *x = NULL, *T = NULL;
+  const MeltField *field = f->field;
+  float *x = NULL, *value = NULL;
   CastStatus status = vtk_series_read_rows(f->file, "Points", step->first_point, step->n_points, 3, &x, err);
   if (status == CAST_OK)
-    status = vtk_series_read_rows(f->file, "PointData/temperature", step->first_value, step->n_points, 1, &T, err);
+    status =
+        vtk_series_read_rows(f->file, field->data, step->first_value, step->n_points, field->components, &value, err);
   *melt = (Melt){.n = (size_t)step->n_points};
   double *room = status == CAST_OK ? malloc((4 * melt->n + 1) * sizeof *room) : NULL;
   if (status == CAST_OK && !room) status = cast_error_set(err, CAST_ERR_MEMORY, "no memory for %zu particles", melt->n);
   if (room) {
     for (size_t d = 0; d < 3; d++) melt->x[d] = room + d * melt->n;
-    melt->T = room + 3 * melt->n;
+    melt->value = room + 3 * melt->n;
     for (size_t i = 0; i < melt->n; i++) {
       for (size_t d = 0; d < 3; d++) melt->x[d][i] = (double)x[3 * i + d];
-      melt->T[i] = (double)T[i] - ZERO_CELSIUS;
+      melt->value[i] = value_of(field, value, i);
     }
   }
   free(x);
-  free(T);
+  free(value);
   return status;
 }
 
@@ -174,14 +203,25 @@ static size_t frame_of(const Filling *f, int k, int n_frames)
   return n_frames > 1 ? (size_t)llround((double)k * (double)(f->n_steps - 1) / (n_frames - 1)) : 0;
 }
 
+static int compare(const void *a, const void *b)
+{
+  const double u = *(const double *)a, w = *(const double *)b;
+  return (u > w) - (u < w);
+}
+
 static CastStatus measure_frames(Filling *f, int n_frames, CastError *err)
 {
-  f->melt_T = f->mould_T = (Range){INFINITY, -INFINITY};
+  f->melt = f->mould_T = (Range){INFINITY, -INFINITY};
   for (int k = 0; k < n_frames; k++) {
     const VtkStep *step = &f->step[frame_of(f, k, n_frames)];
     Melt melt;
     CAST_CALL(read_melt(f, step, &melt, err));
-    for (size_t i = 0; i < melt.n; i++) widen(&f->melt_T, melt.T[i]);
+    if (melt.n > 0) {
+      qsort(melt.value, melt.n, sizeof *melt.value, compare);
+      const size_t beyond = (size_t)(f->field->clipped * (double)melt.n);
+      widen(&f->melt, melt.value[beyond]);
+      widen(&f->melt, melt.value[melt.n - 1 - beyond]);
+    }
     free_melt(&melt);
     if (!f->mould.there) continue;
     CAST_CALL(read_mould_step(&f->mould, step->time, err));
@@ -213,9 +253,15 @@ typedef struct Page {
   int n_frames;
 } Page;
 
+/* Does the mould show its temperature? Beside the melt's flow it is grey. */
+static bool is_thermal(const Filling *f)
+{
+  return f->field == &FIELDS[DRAW_TEMPERATURE];
+}
+
 static void set_scales(const Filling *f, Page *page)
 {
-  page->melt = (PictureScale){PICTURE_HEAT, f->melt_T.low, f->melt_T.high, "melt, degC"};
+  page->melt = (PictureScale){f->field->colours, f->melt.low, f->melt.high, f->field->label};
   page->mould = (PictureScale){PICTURE_VIRIDIS, f->mould_T.low, f->mould_T.high, "mould, degC"};
   PictureScale *const both[] = {&page->melt, &page->mould};
   for (int k = 0; k < 2; k++)
@@ -226,6 +272,7 @@ static CastStatus draw_frame(Filling *f, int k, const Page *page, CastError *err
 {
   const VtkStep *step = &f->step[frame_of(f, k, page->n_frames)];
   const Mould *m = &f->mould;
+  const bool thermal = is_thermal(f);
   Melt melt;
   CAST_CALL(read_melt(f, step, &melt, err));
   const CastStatus status = m->there ? read_mould_step(&f->mould, step->time, err) : CAST_OK;
@@ -235,14 +282,15 @@ static CastStatus draw_frame(Filling *f, int k, const Page *page, CastError *err
                                   .n_triangles = m->n_triangles,
                                   .points = m->point,
                                   .triangles = m->triangle,
-                                  .point_values = m->T,
+                                  .point_values = thermal ? m->T : NULL,
                                   .scale = &page->mould,
+                                  .colour = {0.8, 0.8, 0.78},
                                   .clipped = true};
   const PictureSection section = {m->n_tetrahedra, m->point, m->tetrahedron, m->T, &page->mould};
   const PictureCloud cloud = {.n = melt.n,
                               .x = {melt.x[0], melt.x[1], melt.x[2]},
                               .radius = 0.55 * f->spacing,
-                              .values = melt.T,
+                              .values = melt.value,
                               .scale = &page->melt};
   PictureScene scene = {.azimuth = -78.0,
                         .elevation = 14.0,
@@ -253,7 +301,7 @@ static CastStatus draw_frame(Filling *f, int k, const Page *page, CastError *err
                         .surfaces = &surface,
                         .n_clouds = melt.n > 0 ? 1 : 0,
                         .clouds = &cloud,
-                        .section = m->n_tetrahedra > 0 ? &section : NULL,
+                        .section = thermal && m->n_tetrahedra > 0 ? &section : NULL,
                         .caption = caption,
                         .no_axes = true}; // axes would take room from one panel
   for (int d = 0; d < 3; d++) {
@@ -278,7 +326,7 @@ static CastStatus draw_all(Filling *f, const char *path, CastError *err)
                             .columns = across,
                             .rows = down,
                             .title = f->title,
-                            .scale = {&page.melt, f->mould.there ? &page.mould : NULL}};
+                            .scale = {&page.melt, f->mould.there && is_thermal(f) ? &page.mould : NULL}};
   CAST_CALL(picture_create(&made, &page.picture, err));
   CastStatus status = CAST_OK;
   for (int k = 0; k < page.n_frames && status == CAST_OK; k++) status = draw_frame(f, k, &page, err);
@@ -287,9 +335,9 @@ static CastStatus draw_all(Filling *f, const char *path, CastError *err)
   return status;
 }
 
-CastStatus draw_filling(const char *folder, const char *picture_path, CastError *err)
+CastStatus draw_filling(const char *folder, DrawField field, const char *picture_path, CastError *err)
 {
-  Filling filling = {.file = -1, .mould = {.file = -1}};
+  Filling filling = {.file = -1, .mould = {.file = -1}, .field = &FIELDS[field]};
   CastStatus status = open_files(folder, &filling, err);
   if (status == CAST_OK) status = draw_all(&filling, picture_path, err);
   close_files(&filling);

@@ -4,7 +4,8 @@
 
 #include "cast/io/draw.h"
 
-CastStatus draw_filling(const char *folder, const char *picture, CastError *err);
+typedef enum DrawField { DRAW_TEMPERATURE, DRAW_SPEED, DRAW_PRESSURE } DrawField; // of the melt
+CastStatus draw_filling(const char *folder, DrawField field, const char *picture, CastError *err);
 CastStatus draw_curves(const char *folder, const char *picture, CastError *err);
 
 /* Those of the maps that the results have. */

@@ -334,8 +334,8 @@ static void a_run_leaves_frames_curves_pictures_and_a_summary_that_agree_with_it
   assert_true(number_at(root, "cavity_wall_K", "max") > 1073.15);
   json_decref(root);
   ok(draw_folder(run.folder, NULL, &err), &err);
-  static const char *const names[] = {"filling.png", "curves.png",  "resolved.yaml",
-                                      "summary.txt", "results.xmf", "mould.xmf"};
+  static const char *const names[] = {"filling.png",   "speed.png",   "pressure.png", "curves.png",
+                                      "resolved.yaml", "summary.txt", "results.xmf",  "mould.xmf"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
     char path[160];
     struct stat info;
