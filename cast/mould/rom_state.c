@@ -10,7 +10,7 @@
  *         of its own, and the losses, constant^T (integral of lambda z - ambient dt (T_ambient - T_preheat)), come
  *         from the modes and not from what heat is missing.
  *         z and the losses are summed with compensation: a step may change them by less than their last digit.
- * Cost    B is read once: row k gives u_k, and while it is in cache adds z_k to the patch temperatures.
+ * Cost    B is read once (rom_rows.h): row k gives u_k, and while it is in cache adds z_k to the patch temperatures.
  *         Rows are taken in chunks of fixed size, whose sums are added in order: same bits at any thread count.
  * References  docs/theory, eq. 7, 8, 11, 12 */
 #include "cast/mould/rom_state.h"
@@ -20,6 +20,7 @@
 #include <string.h>
 
 #include "cast/kernel/dispatch.h"
+#include "cast/mould/rom_rows.h"
 
 enum { CHUNK_ROWS = 32 };
 static const double PARALLEL_SIZE = 65536.0; // r m from which threads pay: below it a step takes a few tens of us
@@ -30,6 +31,8 @@ typedef struct Compensated { // value + low is the sum; low is what value cannot
 
 struct RomState {
   const RomData *rom;
+  RomRows rows;   // of B
+  double missing; // W, of the step's flows (rom_rows.h)
   RomScheme scheme;
   double preheat, ambient; // K
   double time;             // s
@@ -93,6 +96,11 @@ CastStatus rom_state_create(const RomData *rom, RomScheme scheme, double preheat
     rom_state_destroy(&state);
     return cast_error_set(err, CAST_ERR_MEMORY, "mould: no memory for %zu states and %zu patches", rom->r, rom->m);
   }
+  const CastStatus status = rom_rows_create(rom, &state->rows, err);
+  if (status != CAST_OK) {
+    rom_state_destroy(&state);
+    return status;
+  }
   for (size_t l = 0; l < rom->m; l++) state->temperature[l] = preheat;
   *out = state;
   return CAST_OK;
@@ -110,6 +118,7 @@ void rom_state_destroy(RomState **state)
   free(s->partial);
   free(s->chunk_loss);
   free(s->further);
+  rom_rows_free(&s->rows);
   free(s->wall_heat);
   free(s->wall_flow);
   free(s->T_free);
@@ -190,17 +199,6 @@ SIMD_CLONES static void add_scaled(double scale, const double *a, double *sum, s
   for (size_t l = 0; l < n; l++) sum[l] += scale * a[l];
 }
 
-/* Two such sums of one row, which is read once. */
-SIMD_CLONES static void add_scaled_twice(const double scale[2], const double *a, double *sum, double *other, size_t n)
-{
-  const double first = scale[0], second = scale[1];
-#pragma omp simd
-  for (size_t l = 0; l < n; l++) {
-    sum[l] += first * a[l];
-    other[l] += second * a[l];
-  }
-}
-
 /* z_k += phi (u - lambda z); returns the mode's loss in the step, J. */
 static double step_mode(RomState *s, size_t k, double u)
 {
@@ -228,13 +226,16 @@ static void step_chunk(RomState *s, size_t chunk, const double *q)
   double *partial = s->partial + chunk * m, *further = s->look_further ? s->further + chunk * m : NULL, loss = 0.0;
   memset(partial, 0, m * sizeof *partial);
   if (further) memset(further, 0, m * sizeof *further);
-  for (size_t k = first; k < end; k++) {
-    const double *row = s->rom->B + k * m, u = dot(row, q, m);
-    loss += step_mode(s, k, u);
-    if (further)
-      add_scaled_twice((const double[2]){s->z[k], one_further(s, k, u)}, row, partial, further, m);
-    else
-      add_scaled(s->z[k], row, partial, m);
+  for (size_t k = first; k < end; k += ROM_ROWS_AT_ONCE) {
+    const size_t n = end - k < ROM_ROWS_AT_ONCE ? end - k : ROM_ROWS_AT_ONCE;
+    double u[ROM_ROWS_AT_ONCE], after[ROM_ROWS_AT_ONCE];
+    rom_rows_dot(&s->rows, k, n, q, u);
+    for (size_t i = 0; i < n; i++) {
+      if (s->rows.narrow) u[i] += s->rows.share[k + i] * s->missing;
+      loss += step_mode(s, k + i, u[i]);
+      after[i] = one_further(s, k + i, u[i]);
+    }
+    rom_rows_add(&s->rows, k, n, s->z + k, partial, after, further);
   }
   s->chunk_loss[chunk] = loss;
 }
@@ -274,6 +275,7 @@ void rom_state_step(RomState *s, const double *q, double dt)
   const bool threads = (double)s->rom->r * (double)m > PARALLEL_SIZE;
   set_step(s, dt);
   if (s->walls) q = add_walls(s, q, dt);
+  s->missing = rom_rows_missing(&s->rows, q);
 #pragma omp parallel for schedule(static) if (threads)
   for (size_t chunk = 0; chunk < s->n_chunks; chunk++) step_chunk(s, chunk, q);
   for (size_t l = 0; l < m; l++) s->temperature[l] = s->preheat;

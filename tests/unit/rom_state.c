@@ -142,6 +142,70 @@ static void backward_euler_conserves_heat_over_100000_steps(void **unused)
   check_conservation(ROM_BACKWARD_EULER);
 }
 
+/* Twenty by twenty patches: the rows of so many are kept in single precision. */
+static RomData *many_patches(void)
+{
+  SyntheticSlab given = losing;
+  given.patches[0] = given.patches[1] = 20;
+  given.cells[0] = given.cells[1] = 1;
+  given.modes_lateral[0] = given.modes_lateral[1] = 16;
+  given.modes = 12;
+  RomData *rom = slab(&given);
+  assert_true((double)rom->r * (double)rom->m > 1e6);
+  return rom;
+}
+
+static void a_model_of_many_patches_conserves_heat_too(void **unused)
+{
+  (void)unused;
+  RomData *rom = many_patches();
+  RomState *state = start(rom, ROM_EXPONENTIAL, ambient);
+  double *q = calloc(rom->m, sizeof *q), given = 0.0, size = 0.0;
+  uint64_t seed = 4;
+  for (int n = 0; n < 300; n++) {
+    for (size_t l = 0; l < rom->m; l++) {
+      q[l] = 20.0 * uniform(&seed) - 8.0;
+      given += q[l] * 0.01;
+      size += fabs(q[l] * 0.01);
+    }
+    rom_state_step(state, q, 0.01);
+  }
+  assert_close(rom_state_heat(state) + rom_state_lost(state), given, 1e-12 * size); // single precision alone: 1e-8
+  free(q);
+  rom_state_destroy(&state);
+  rom_destroy(&rom);
+}
+
+static void a_model_of_many_patches_has_its_temperatures_to_a_millionth_of_the_rise(void **unused)
+{
+  (void)unused;
+  RomData *rom = many_patches();
+  const size_t r = rom->r, m = rom->m;
+  RomState *state = start(rom, ROM_EXPONENTIAL, preheat); // no drive from outside
+  double *q = calloc(m, sizeof *q), *T = calloc(m, sizeof *T), *ahead = calloc(m, sizeof *ahead), rise = 0.0;
+  uint64_t seed = 5;
+  for (size_t l = 0; l < m; l++) q[l] = uniform(&seed);
+  rom_state_step_ahead(state, q, 0.02, ahead);
+  for (int turn = 0; turn < 2; turn++) {
+    memset(T, 0, m * sizeof *T);
+    for (size_t k = 0; k < r; k++) {
+      double u = 0.0;
+      for (size_t l = 0; l < m; l++) u += rom->B[k * m + l] * q[l];
+      const double x = rom->lambda[k] * 0.02 * (turn + 1),
+                   z = x > 0.0 ? -expm1(-x) / rom->lambda[k] * u : 0.02 * (turn + 1) * u;
+      for (size_t l = 0; l < m; l++) T[l] += rom->B[k * m + l] * z;
+    }
+    for (size_t l = 0; l < m; l++) rise = fmax(rise, T[l]);
+    const double *found = turn == 0 ? rom_state_patch_temperature(state) : ahead;
+    for (size_t l = 0; l < m; l++) assert_close(found[l] - preheat, T[l], 1e-6 * rise);
+  }
+  free(q);
+  free(T);
+  free(ahead);
+  rom_state_destroy(&state);
+  rom_destroy(&rom);
+}
+
 /* The loss of one long step against h A (T_bottom - T_ambient), Simpson's rule over the exact history. */
 static void lost_heat_is_the_integral_of_the_outer_wall_s_flux(void **unused)
 {
@@ -336,6 +400,8 @@ int main(void)
       cmocka_unit_test(steps_have_the_same_bits_on_any_number_of_threads),
       cmocka_unit_test(a_restored_state_goes_on_with_the_same_bits),
       cmocka_unit_test(temperatures_that_are_not_numbers_are_refused),
+      cmocka_unit_test(a_model_of_many_patches_conserves_heat_too),
+      cmocka_unit_test(a_model_of_many_patches_has_its_temperatures_to_a_millionth_of_the_rise),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
