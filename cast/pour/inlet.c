@@ -6,6 +6,7 @@
 
 #include "cast/kernel/pair.h"
 #include "cast/physics/properties.h"
+#include "common/vector.h"
 
 static const double CLEARANCE = 0.4; // spacings from the mould, as where melt stands at the start
 static const double APART = 0.7;     // spacings between melt that is there and a buffer
@@ -73,7 +74,7 @@ CastStatus inlet_create(const InletConfig *config, const SphParameters *sph, con
   CAST_CHECK(width / dx < 1e4 && height / dx < 1e4, err, CAST_ERR_INPUT,
              "%g mm by %g mm are too many particles of %g mm", 1e3 * width, 1e3 * height, 1e3 * dx);
   for (int d = 0; d < 3; d++) inlet->at[d] = malloc((size_t)(count[0] * count[1] + 1) * sizeof *inlet->at[d]);
-  inlet->front = malloc((size_t)(count[0] * count[1] + 1) * sizeof *inlet->front);
+  inlet->front = malloc((size_t)(2 * count[0] * count[1] + 1) * sizeof *inlet->front);
   if (!inlet->at[0] || !inlet->at[1] || !inlet->at[2] || !inlet->front) {
     inlet_destroy(inlet);
     return cast_error_set(err, CAST_ERR_MEMORY, "no memory for an inlet");
@@ -199,28 +200,35 @@ void inlet_place(const Inlet *inlet, double time, Particles *p)
   }
 }
 
+/* Add what the free melt at x with this pressure tells each column near it. */
+static void tell_columns(const Inlet *inlet, const double x[3], double pressure, double *weight, double *sum)
+{
+  const double dx = inlet->spacing, reach2 = 2.25 * dx * dx;
+  for (ptrdiff_t c = 0; c < inlet->n; c++) {
+    const double r[3] = {x[0] - inlet->at[0][c], x[1] - inlet->at[1][c], x[2] - inlet->at[2][c]};
+    const double height = vec_dot(r, inlet->config->direction), beside2 = vec_dot(r, r) - height * height;
+    if (beside2 > reach2) continue;
+    weight[c] += 1.0 - beside2 / reach2;
+    sum[c] += (1.0 - beside2 / reach2) * pressure;
+  }
+}
+
 /* Pressure of the free melt up to two spacings beyond the inlet, weighted by how near it is to the column. */
 void inlet_sense(const Inlet *inlet, const SphParameters *sph, double time, const Particles *p)
 {
-  const double dx = inlet->spacing, reach2 = 2.25 * dx * dx, *n = inlet->config->direction;
   if (inlet->over) return;
-#pragma omp parallel for
+  double *sum = inlet->front, *weight = inlet->front + inlet->n;
+  for (ptrdiff_t c = 0; c < 2 * inlet->n; c++) inlet->front[c] = 0.0;
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
+    const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
+    double r[3];
+    vec_sub(x, inlet->config->centre, r);
+    const double height = vec_dot(r, inlet->config->direction);
+    if (height < 0.0 || height > 2.0 * inlet->spacing || inlet_holds(inlet, time, p->id[i], NULL, NULL)) continue;
+    tell_columns(inlet, x, p->p[i], weight, sum);
+  }
   for (ptrdiff_t c = 0; c < inlet->n; c++) {
-    double weight = 0.0, sum = 0.0;
-    for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-      double r2 = 0.0, height = 0.0;
-      for (int d = 0; d < 3; d++) {
-        const double r = p->x[d][i] - inlet->at[d][c];
-        r2 += r * r;
-        height += r * n[d];
-      }
-      const double beside2 = r2 - height * height;
-      if (height < 0.0 || height > 2.0 * dx || beside2 > reach2) continue;
-      if (inlet_holds(inlet, time, p->id[i], NULL, NULL)) continue;
-      weight += 1.0 - beside2 / reach2;
-      sum += (1.0 - beside2 / reach2) * p->p[i];
-    }
-    const double pressure = weight > 0.0 && sum > 0.0 ? sum / weight : 0.0;
+    const double pressure = weight[c] > 0.0 && sum[c] > 0.0 ? sum[c] / weight[c] : 0.0;
     inlet->front[c] = tait_density(pressure, sph->rho0, sph->c0, sph->gamma);
   }
 }

@@ -33,7 +33,7 @@ typedef struct Inlet {
   const InletConfig *config; // borrowed
   ptrdiff_t n, in_shape;     // particles of a layer; those that there would be without the mould
   double *at[3];             // [n] m, where they pass the inlet
-  double *front;             // [n] kg/m3, density in front of each, scratch
+  double *front;             // [n] kg/m3, density in front of each; [n] more: scratch
   int layers;                // of the buffer
   double spacing;            // m
   double speed_per_rate;     // m/s for a rate of 1
