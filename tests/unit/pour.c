@@ -301,7 +301,11 @@ static void a_pouring_run_that_is_resumed_has_the_bits_of_an_unbroken_one(void *
   CastError err = {0};
   SimEnd end;
   omp_set_num_threads(2);
-  Run whole = start("pour_whole", &through, true), broken = start("pour_broken", &through, true);
+  CastCaseInput all = through; // and all forces that change with time
+  all.forces = "{ gravity: [[0 s, 0 0 -300 m/s^2], [4 ms, 0 100 -300 m/s^2]], "
+               "spin: { point: [30 mm, 0 mm, 0 mm], axis: [1, 2, 3], speed: [[0 s, 500 rpm], [3 ms, 900 rpm]] }, "
+               "gas: { pressure: [[0 s, 0 kPa], [2 ms, 5 kPa]], from: { corner: -2 -2 -1 mm, size: 4 4 2 mm } } }";
+  Run whole = start("pour_whole", &all, true), broken = start("pour_broken", &all, true);
   ok(sim_run(whole.sim, NULL, &end, &err), &err);
   while (sim_time(broken.sim) < 1.5e-3) ok(sim_step(broken.sim, &err), &err);
   volatile sig_atomic_t stop = 1;
