@@ -145,7 +145,8 @@ PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mes
   PetscCall(measure_heat_capacity(system, &rom.heat_capacity));
   describe_model(system, model, &rom);
   if (mesh) {
-    PetscCall(wall_geometry_gather(mesh, model->V, config->band, config->basis_budget, &geometry));
+    const ModelBasis basis = {model->V, model->blocks, model->modes, model->r};
+    PetscCall(wall_geometry_gather(mesh, &basis, config->band, config->basis_budget, &geometry));
     PetscCheck(geometry.r == model->r, comm, PETSC_ERR_ARG_INCOMP,
                "the basis has %" PetscInt_FMT " columns for %" PetscInt_FMT " states", geometry.r, model->r);
     describe_geometry(mesh, &geometry, &rom);

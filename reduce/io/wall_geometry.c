@@ -66,23 +66,16 @@ static PetscErrorCode list_points(const WallShare *share, Vec used, Points *poin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode copy_basis(BV V, PetscInt r, Points *points)
+static PetscErrorCode copy_basis(const ModelBasis *basis, PetscInt begin, Points *points)
 {
-  PetscInt begin, end;
-  Vec column;
-  const PetscScalar *value;
+  PetscInt *row;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc1((size_t)points->n * (size_t)r, &points->basis));
-  for (PetscInt k = 0; k < r; k++) {
-    PetscCall(BVGetColumn(V, k, &column));
-    PetscCall(VecGetOwnershipRange(column, &begin, &end));
-    PetscCall(VecGetArrayRead(column, &value));
-    for (PetscInt i = 0; i < points->n; i++)
-      points->basis[(size_t)i * (size_t)r + (size_t)k] = (float)value[points->number[i] - begin];
-    PetscCall(VecRestoreArrayRead(column, &value));
-    PetscCall(BVRestoreColumn(V, k, &column));
-  }
+  PetscCall(PetscMalloc1((size_t)points->n * (size_t)basis->r, &points->basis));
+  PetscCall(PetscMalloc1((size_t)points->n, &row));
+  for (PetscInt i = 0; i < points->n; i++) row[i] = points->number[i] - begin;
+  PetscCall(model_basis_rows(basis, points->n, row, points->basis));
+  PetscCall(PetscFree(row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -176,23 +169,23 @@ static PetscErrorCode choose_band(const MouldMesh *mesh, PetscReal budget, WallG
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, PetscReal budget,
+PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, const ModelBasis *basis, PetscReal band, PetscReal budget,
                                     WallGeometry *geometry)
 {
   WallShare share;
   Points points = {0};
-  PetscInt k_first, k_last;
+  PetscInt begin, end;
   Vec used;
 
   PetscFunctionBeginUser;
   *geometry = (WallGeometry){.band = band};
-  PetscCall(BVGetActiveColumns(V, &k_first, &k_last));
-  geometry->r = k_last;
+  geometry->r = basis->r;
   PetscCall(DMGetGlobalVector(mesh->dm, &used));
   PetscCall(choose_band(mesh, budget, geometry, &share, used));
   PetscCall(list_points(&share, used, &points));
+  PetscCall(VecGetOwnershipRange(used, &begin, &end));
   PetscCall(DMRestoreGlobalVector(mesh->dm, &used));
-  PetscCall(copy_basis(V, geometry->r, &points));
+  PetscCall(copy_basis(basis, begin, &points));
   PetscCall(gather_all(PetscObjectComm((PetscObject)mesh->dm), &share, &points, geometry));
   PetscCall(PetscFree(points.basis));
   PetscCall(PetscFree2(points.number, points.x));

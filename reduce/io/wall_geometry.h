@@ -3,9 +3,9 @@
 #ifndef REDUCE_IO_WALL_GEOMETRY_H
 #define REDUCE_IO_WALL_GEOMETRY_H
 
-#include <slepcbv.h>
 #include <stdint.h>
 #include "reduce/mesh/mould_mesh.h"
+#include "reduce/mor/model_basis.h"
 
 typedef struct WallGeometry { // arrays on rank 0; elsewhere empty. Owned.
   PetscInt r;
@@ -21,7 +21,7 @@ typedef struct WallGeometry { // arrays on rank 0; elsewhere empty. Owned.
 /* Take every tetrahedron of which any part is within `band` (m) of the cavity wall, and hardly any other. V has the
  * layout of the DM's global vectors. Where the basis would take more than `budget` bytes the band is made thinner, down
  * to the elements at the wall, which are always kept: geometry->band is what it came to. Collective. */
-PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, BV V, PetscReal band, PetscReal budget,
+PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, const ModelBasis *basis, PetscReal band, PetscReal budget,
                                     WallGeometry *geometry);
 PetscErrorCode wall_geometry_destroy(WallGeometry *geometry);
 

@@ -232,37 +232,3 @@ PetscErrorCode certificate_destroy(Certificate **certificate)
   *certificate = NULL;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-PetscErrorCode certificate_orthogonality(const ThermalSystem *system, BV V, PetscReal *defect)
-{
-  enum { WIDTH = 64, EVERY_ONE_BELOW = 1024 }; // of a larger basis a sample of blocks, among them the first
-  PetscInt r;
-  Mat X, EX;
-  PetscReal *G;
-
-  PetscFunctionBeginUser;
-  *defect = 0.0;
-  PetscCall(BVGetActiveColumns(V, NULL, &r));
-  PetscCall(PetscMalloc1((size_t)r * WIDTH, &G));
-  PetscCall(dense_block_create(system->E, WIDTH, &X));
-  PetscCall(dense_block_create(system->E, WIDTH, &EX));
-  const PetscInt stride = r <= EVERY_ONE_BELOW ? WIDTH : PetscMax(WIDTH, r / (EVERY_ONE_BELOW / WIDTH / 4));
-  for (PetscInt first = 0; first < r; first += stride) {
-    const PetscInt k = PetscMin(WIDTH, r - first);
-    Mat basis;
-    PetscInt column[WIDTH];
-    for (PetscInt c = 0; c < k; c++) column[c] = first + c;
-    PetscCall(BVGetMat(V, &basis));
-    PetscCall(dense_block_copy(X, 0, basis, column, k));
-    PetscCall(dense_block_multiply(system->E, X, EX));
-    PetscCall(dense_block_inner(basis, EX, G));
-    PetscCall(BVRestoreMat(V, &basis));
-    for (PetscInt c = 0; c < k; c++)
-      for (PetscInt i = 0; i < r; i++)
-        *defect = PetscMax(*defect, PetscAbsReal(G[i + c * r] - (i == first + c ? 1.0 : 0.0)));
-  }
-  PetscCall(MatDestroy(&X));
-  PetscCall(MatDestroy(&EX));
-  PetscCall(PetscFree(G));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}

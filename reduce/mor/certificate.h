@@ -19,7 +19,5 @@ PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *mo
 PetscErrorCode certificate_transfer_bounds(const Certificate *certificate, const ModalModel *last, PetscInt *n,
                                            PetscReal **frequency, PetscReal **bound);
 PetscErrorCode certificate_destroy(Certificate **certificate);
-/* max |V^T E V - I|; of a large basis, over a sample of its columns */
-PetscErrorCode certificate_orthogonality(const ThermalSystem *system, BV V, PetscReal *defect);
 
 #endif

@@ -182,6 +182,49 @@ static PetscErrorCode stored_inner(const KrylovBasis *basis, Mat Y, PetscReal *G
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* rows += X(row, :) Q, Q [p x k] with ldq rows; rows [n x k] row-major, which is [k x n] */
+static PetscErrorCode add_rows(Mat X, const PetscReal *Q, PetscInt ldq, PetscInt k, PetscInt n, const PetscInt *row,
+                               PetscReal *rows)
+{
+  const PetscScalar *value;
+  PetscInt p, ld;
+  PetscReal *chosen, *part;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatGetSize(X, NULL, &p));
+  PetscCall(MatDenseGetLDA(X, &ld));
+  PetscCall(PetscMalloc2((size_t)n * (size_t)p, &chosen, (size_t)p * (size_t)k, &part));
+  PetscCall(MatDenseGetArrayRead(X, &value));
+  for (size_t l = 0; l < (size_t)p; l++)
+    for (size_t i = 0; i < (size_t)n; i++) chosen[i + l * (size_t)n] = value[(size_t)row[i] + l * (size_t)ld];
+  PetscCall(MatDenseRestoreArrayRead(X, &value));
+  for (PetscInt c = 0; c < k; c++)
+    PetscCall(PetscArraycpy(part + (size_t)c * (size_t)p, Q + (size_t)c * (size_t)ldq, (size_t)p));
+  PetscCall(small_multiply('T', 'T', k, n, p, 1.0, part, chosen, 1.0, rows));
+  PetscCall(PetscFree2(chosen, part));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode krylov_basis_rows(const KrylovBasis *basis, PetscInt k, const PetscReal *Q, PetscInt n,
+                                 const PetscInt *row, PetscReal *rows)
+{
+  const PetscInt n_raw = basis->raw->n_raw, p = basis->p;
+  PetscReal *TQ;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)n_raw * (size_t)k, &TQ));
+  PetscCall(small_multiply('N', 'N', n_raw, k, basis->r, 1.0, basis->raw->T, Q, 0.0, TQ));
+  for (size_t i = 0; i < (size_t)n; i++)
+    for (size_t c = 0; c < (size_t)k; c++) rows[i * (size_t)k + c] = TQ[c * (size_t)n_raw];
+  for (PetscInt i = 0; i < basis->blocks->n; i++) {
+    Mat X;
+    PetscCall(shift_blocks_get(basis->blocks, i, &X));
+    PetscCall(add_rows(X, TQ + 1 + i * p, n_raw, k, n, row, rows));
+  }
+  PetscCall(PetscFree(TQ));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- in vectors ---- */
 
 /* Room for `kept` more vectors. */
@@ -382,18 +425,10 @@ PetscErrorCode krylov_basis_inner(const KrylovBasis *basis, Mat Y, PetscReal *G)
 
 PetscErrorCode krylov_basis_take(KrylovBasis *basis, PetscInt k, const PetscReal *Q, BV *taken)
 {
-  Mat of_small, V;
+  Mat of_small;
   PetscScalar *to;
 
   PetscFunctionBeginUser;
-  if (basis->blocks) {
-    PetscCall(create_bv(basis->system, k, taken));
-    PetscCall(BVSetActiveColumns(*taken, 0, k));
-    PetscCall(BVGetMat(*taken, &V));
-    PetscCall(stored_combine(basis, Q, V));
-    PetscCall(BVRestoreMat(*taken, &V));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, basis->r, k, NULL, &of_small));
   PetscCall(MatDenseGetArray(of_small, &to));
   PetscCall(PetscArraycpy(to, Q, (size_t)basis->r * (size_t)k));

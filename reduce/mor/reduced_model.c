@@ -38,6 +38,22 @@ static PetscErrorCode hand_over_arrays(const Reduction *reduction, ReducedModel 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* In modal form; a basis in blocks stays so. */
+static PetscErrorCode hand_over_basis(Reduction *reduction, ReducedModel *model)
+{
+  PetscFunctionBeginUser;
+  if (!reduction->basis->blocks) {
+    PetscCall(krylov_basis_take(reduction->basis, reduction->modal->r, reduction->modal->Q, &model->V));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  model->blocks = reduction->basis;
+  model->blocks->ports = NULL; // they go with the reduction
+  reduction->basis = NULL;
+  model->modes = reduction->modal->Q;
+  reduction->modal->Q = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode reduced_model_create(const ThermalSystem *system, const ReductionConfig *config, Log *log,
                                     ReducedModel **out)
 {
@@ -61,9 +77,9 @@ PetscErrorCode reduced_model_create(const ThermalSystem *system, const Reduction
   const double examined = log_wall_time();
   PetscCall(reduction_shorten(reduction));
   PetscCall(hand_over_arrays(reduction, model));
-  PetscCall(krylov_basis_take(reduction->basis, reduction->modal->r, reduction->modal->Q, &model->V)); // in modal form
   const double reduced = log_wall_time();
-  PetscCall(reduction_certify(reduction, model->V, &model->certificate));
+  PetscCall(reduction_certify(reduction, &model->certificate));
+  PetscCall(hand_over_basis(reduction, model));
   model->n_shifts = reduction->n_shifts;
   model->shifts = reduction->shifts;
   reduction->shifts = NULL;
@@ -81,6 +97,8 @@ PetscErrorCode reduced_model_destroy(ReducedModel **model)
   if (!*model) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree4((*model)->lambda, (*model)->B, (*model)->ambient, (*model)->constant));
   PetscCall(BVDestroy(&(*model)->V));
+  PetscCall(krylov_basis_destroy(&(*model)->blocks));
+  PetscCall(PetscFree((*model)->modes));
   PetscCall(PetscFree((*model)->shifts));
   PetscCall(PetscFree2((*model)->certificate.frequency, (*model)->certificate.transfer_bound));
   PetscCall(PetscFree2((*model)->certificate.time, (*model)->certificate.step_error));

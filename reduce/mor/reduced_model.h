@@ -5,7 +5,7 @@
 #include <slepcbv.h>
 #include "common/log.h"
 #include "common/rom.h"
-#include "reduce/fem/thermal_system.h"
+#include "reduce/mor/model_basis.h"
 
 typedef struct ReducedModel {
   PetscInt r, m;
@@ -13,7 +13,9 @@ typedef struct ReducedModel {
   PetscReal *B;        // [r*m] row-major
   PetscReal *ambient;  // [r]
   PetscReal *constant; // [r]
-  BV V;                // [n x r] E-orthonormal basis in modal form, distributed; owned
+  BV V;                // [n x r] E-orthonormal basis in modal form, distributed; owned; NULL: in
+  KrylovBasis *blocks; // blocks, owned; with
+  PetscReal *modes;    // [blocks->r x r] the states in their basis
   PetscInt n_shifts;
   PetscReal *shifts; // [n_shifts] 1/s
   PetscInt moments;

@@ -60,7 +60,7 @@ PetscErrorCode reduction_run_modal(Reduction *reduction);
 PetscErrorCode reduction_begin_certificate(Reduction *reduction);
 /* Second stage, where the input asks for it. */
 PetscErrorCode reduction_shorten(Reduction *reduction);
-PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *certificate);
+PetscErrorCode reduction_certify(Reduction *reduction, RomCertificate *certificate);
 void reduction_report(const Reduction *reduction, const RomCertificate *certificate);
 PetscErrorCode reduction_destroy(Reduction **reduction);
 

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "reduce/mor/certificate.h"
+#include "reduce/mor/model_basis.h"
 #include "reduce/mor/reduction.h"
 #include "reduce/mor/second_stage.h"
 #include "reduce/petsc_compat.h"
@@ -90,7 +91,7 @@ PetscErrorCode reduction_begin_certificate(Reduction *reduction)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *certificate)
+PetscErrorCode reduction_certify(Reduction *reduction, RomCertificate *certificate)
 {
   const ReductionConfig *config = reduction->config;
   const StepReference *reference = reduction->reference;
@@ -110,7 +111,8 @@ PetscErrorCode reduction_certify(Reduction *reduction, BV V, RomCertificate *cer
   else
     PetscCall(moments_compare(reduction->moments, reduction->modal, reference->u, &certificate->moment_error));
   certificate->second_stage_bound = reduction->second_stage_bound;
-  PetscCall(certificate_orthogonality(reduction->system, V, &certificate->orthogonality));
+  PetscCall(model_basis_orthogonality(reduction->basis, reduction->modal->r, reduction->modal->Q,
+                                      &certificate->orthogonality));
   PetscInt n;
   PetscCall(certificate_transfer_bounds(reduction->certificate, reduction->modal, &n, &certificate->frequency,
                                         &certificate->transfer_bound));

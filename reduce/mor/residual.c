@@ -11,6 +11,13 @@ static const PetscReal DIAGONAL_SHARE = 0.05;
 /* Eigenvalues of R_0's scaled Gram matrix below this share of the largest are dependence or rounding. */
 static const PetscReal DEPENDENT = 1e-11;
 
+typedef struct Probes { // inputs, or sums of them, on which inexact solves are examined
+  PetscInt k;
+  PetscReal *W;            // [p x k]
+  PetscReal safety;        // of norms found by them
+  const PetscReal *weight; // [p] D's diagonal; borrowed
+} Probes;
+
 /* X(i, :) /= E_ii */
 static PetscErrorCode divide_by_diagonal(const ThermalSystem *system, Mat X)
 {
@@ -211,33 +218,35 @@ PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Re and Im of (iw E + K) V x(iw): with V x = a + ib,  K a - w E b  and  K b + w E a. */
+/* Add Re and Im of (iw E + K) V x(iw) W, W [p x k]: with V x W = a + ib,  K a - w E b  and  K b + w E a. */
 static PetscErrorCode applied(const Residual *residual, const KrylovBasis *basis, const ModalModel *model, PetscReal w,
-                              Mat of[2])
+                              const Probes *probes, Mat of[2])
 {
   const ThermalSystem *system = residual->system;
-  const PetscInt p = residual->p, r = residual->r;
+  const PetscInt p = residual->p, r = residual->r, k = probes->k;
   Mat Vx, product;
-  PetscReal *x, *Qx, *factor;
+  PetscReal *x, *xW, *QxW, *factor;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3((size_t)r * (size_t)p, &x, (size_t)r * (size_t)p, &Qx, (size_t)p, &factor));
-  PetscCall(dense_block_create(system->E, p, &Vx));
-  PetscCall(dense_block_create(system->E, p, &product));
+  PetscCall(PetscMalloc4((size_t)r * (size_t)p, &x, (size_t)r * (size_t)k, &xW, (size_t)r * (size_t)k, &QxW, (size_t)k,
+                         &factor));
+  PetscCall(dense_block_create(system->E, k, &Vx));
+  PetscCall(dense_block_create(system->E, k, &product));
   for (int part = 0; part < 2; part++) {
     modal_state(model, w, part, x);
-    PetscCall(small_multiply('N', 'T', r, p, r, 1.0, model->Q, x, 0.0, Qx));
-    PetscCall(krylov_basis_combine(basis, Qx, Vx));
+    PetscCall(small_multiply('T', 'N', r, k, p, 1.0, x, probes->W, 0.0, xW));
+    PetscCall(small_multiply('N', 'N', r, k, r, 1.0, model->Q, xW, 0.0, QxW));
+    PetscCall(krylov_basis_combine(basis, QxW, Vx));
     PetscCall(dense_block_multiply(system->K, Vx, product));
-    for (PetscInt c = 0; c < p; c++) factor[c] = 1.0;
+    for (PetscInt c = 0; c < k; c++) factor[c] = 1.0;
     PetscCall(dense_block_axpby(of[part], 1.0, factor, product));
     PetscCall(dense_block_multiply(system->E, Vx, product));
-    for (PetscInt c = 0; c < p; c++) factor[c] = part == 0 ? w : -w;
+    for (PetscInt c = 0; c < k; c++) factor[c] = part == 0 ? w : -w;
     PetscCall(dense_block_axpby(of[1 - part], 1.0, factor, product));
   }
   PetscCall(MatDestroy(&Vx));
   PetscCall(MatDestroy(&product));
-  PetscCall(PetscFree3(x, Qx, factor));
+  PetscCall(PetscFree4(x, xW, QxW, factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -282,33 +291,77 @@ static PetscErrorCode solved_size(const ThermalSystem *system, ShiftedSolver *so
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ||D x^T V^T R D||_F at iw, of = -R */
-static PetscErrorCode galerkin_slip(const KrylovBasis *basis, const ModalModel *model, PetscReal w, Mat of[2],
-                                    const PetscReal *weight, PetscReal *slip)
+/* ||D x^T V^T R W||_F at iw, of = -R W */
+static PetscErrorCode galerkin_slip(const KrylovBasis *basis, const ModalModel *model, PetscReal w,
+                                    const Probes *probes, Mat of[2], PetscReal *slip)
 {
-  const PetscInt p = basis->p, r = basis->r;
-  PetscReal *inner, *x, *Qx[2], *S[2];
+  const PetscInt p = basis->p, r = basis->r, k = probes->k;
+  PetscReal *inner, *turned, *x, *S[2];
 
   PetscFunctionBeginUser;
-  const size_t size = (size_t)r * (size_t)p, square = (size_t)p * (size_t)p;
-  PetscCall(PetscMalloc6(size, &inner, size, &x, size, &Qx[0], size, &Qx[1], square, &S[0], square, &S[1]));
-  for (int part = 0; part < 2; part++) {
-    modal_state(model, w, part, x);
-    PetscCall(small_multiply('N', 'T', r, p, r, 1.0, model->Q, x, 0.0, Qx[part]));
-  }
-  for (int part = 0; part < 2; part++) { // (a + ib)^T (c + id), [p x p]: R^T V of one part times both of x
+  const size_t size = (size_t)r * (size_t)k, square = (size_t)k * (size_t)p;
+  PetscCall(PetscMalloc5(size, &inner, size, &turned, (size_t)r * (size_t)p, &x, square, &S[0], square, &S[1]));
+  for (int part = 0; part < 2; part++) { // (a + ib)^T (c + id), [k x p]: R^T V of one part times both of x
     PetscCall(krylov_basis_inner(basis, of[part], inner));
-    PetscCall(small_multiply('N', 'N', p, p, r, part == 0 ? 1.0 : -1.0, inner, Qx[part], part == 0 ? 0.0 : 1.0, S[0]));
-    PetscCall(small_multiply('N', 'N', p, p, r, 1.0, inner, Qx[1 - part], part == 0 ? 0.0 : 1.0, S[1]));
+    PetscCall(small_multiply('N', 'N', k, r, r, 1.0, inner, model->Q, 0.0, turned));
+    for (int other = 0; other < 2; other++) {
+      modal_state(model, w, other, x);
+      PetscCall(small_multiply('N', 'T', k, p, r, part == 1 && other == 1 ? -1.0 : 1.0, turned, x,
+                               part == 0 ? 0.0 : 1.0, S[part == other ? 0 : 1]));
+    }
   }
   *slip = 0.0;
   for (PetscInt j = 0; j < p; j++)
-    for (PetscInt i = 0; i < p; i++) {
-      const PetscReal size_2 = S[0][i + j * p] * S[0][i + j * p] + S[1][i + j * p] * S[1][i + j * p];
-      *slip += weight[i] * weight[i] * weight[j] * weight[j] * size_2;
+    for (PetscInt i = 0; i < k; i++) {
+      const PetscReal size_2 = S[0][i + j * k] * S[0][i + j * k] + S[1][i + j * k] * S[1][i + j * k];
+      *slip += probes->weight[j] * probes->weight[j] * size_2;
     }
-  *slip = PetscSqrtReal(*slip);
-  PetscCall(PetscFree6(inner, x, Qx[0], Qx[1], S[0], S[1]));
+  *slip = probes->safety * PetscSqrtReal(*slip);
+  PetscCall(PetscFree5(inner, turned, x, S[0], S[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* W: all inputs, or of many a few random sums with signs +-1/sqrt(k), the same on every rank: then
+ * ||X D||_F^2 = E ||X W||_F^2 (Hutchinson 1990, Commun. Stat. Simul. 19, 433), with a spread of at most
+ * sqrt(2/k) of it: the root, half as large again, lies above in all but one of some thousand cases. */
+static PetscErrorCode choose_probes(PetscInt p, const PetscReal *weight, Probes *probes)
+{
+  enum { PROBES = 32 };
+  uint64_t random = 0x9e3779b97f4a7c15u;
+
+  PetscFunctionBeginUser;
+  *probes = (Probes){.k = p <= 2 * PROBES ? p : PROBES, .safety = p <= 2 * PROBES ? 1.0 : 1.5, .weight = weight};
+  PetscCall(PetscCalloc1((size_t)p * (size_t)probes->k, &probes->W));
+  for (PetscInt l = 0; l < p; l++)
+    if (probes->k == p) {
+      probes->W[l + l * p] = weight[l];
+    } else {
+      for (PetscInt c = 0; c < probes->k; c++) {
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        probes->W[l + c * p] = (random >> 63 ? 1.0 : -1.0) * weight[l] / PetscSqrtReal((PetscReal)probes->k);
+      }
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* of = (R_0 Phi - R) W at iw; what V^T R is, on the way */
+static PetscErrorCode spoilt_part(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
+                                  PetscReal w, const Probes *probes, Mat of[2], PetscReal *slip)
+{
+  const PetscInt p = residual->p, k = probes->k;
+  PetscReal *Phi[2], *PhiW;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3((size_t)p * (size_t)p, &Phi[0], (size_t)p * (size_t)p, &Phi[1], (size_t)p * (size_t)k, &PhiW));
+  PetscCall(applied(residual, basis, model, w, probes, of));
+  PetscCall(dense_block_combine(of[0], 1.0, -1.0, basis->ports, probes->W, p)); // -R W
+  PetscCall(galerkin_slip(basis, model, w, probes, of, slip));
+  PetscCall(residual_factor(residual, model, w, Phi[0], Phi[1]));
+  for (int part = 0; part < 2; part++) {
+    PetscCall(small_multiply('N', 'N', p, k, p, 1.0, Phi[part], probes->W, 0.0, PhiW));
+    PetscCall(dense_block_combine(of[part], 1.0, 1.0, residual->R0, PhiW, p));
+  }
+  PetscCall(PetscFree3(Phi[0], Phi[1], PhiW));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -316,30 +369,24 @@ PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basi
                                ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
                                ResidualDefect *defect)
 {
-  const PetscInt p = residual->p;
   const PetscReal w = shifted_solver_get_shift(solver);
   Mat of[2];
-  PetscReal *Phi[2], *minus;
+  Probes probes;
 
   PetscFunctionBeginUser;
-  PetscCall(PetscMalloc3((size_t)p * (size_t)p, &Phi[0], (size_t)p * (size_t)p, &Phi[1], (size_t)p, &minus));
-  PetscCall(dense_block_create(residual->system->E, p, &of[0]));
-  PetscCall(dense_block_create(residual->system->E, p, &of[1]));
-  PetscCall(applied(residual, basis, model, w, of));
-  for (PetscInt c = 0; c < p; c++) minus[c] = -1.0;
-  PetscCall(dense_block_axpby(of[0], 1.0, minus, basis->ports)); // -R
-  PetscCall(galerkin_slip(basis, model, w, of, weight, &defect->slip));
-  PetscCall(residual_factor(residual, model, w, Phi[0], Phi[1]));
-  for (int part = 0; part < 2; part++) { // (R_0 Phi - R) D
-    PetscCall(dense_block_combine(of[part], 1.0, 1.0, residual->R0, Phi[part], p));
-    PetscCall(dense_block_scale(of[part], weight));
-  }
+  PetscCall(choose_probes(residual->p, weight, &probes));
+  PetscCall(dense_block_create(residual->system->E, probes.k, &of[0]));
+  PetscCall(dense_block_create(residual->system->E, probes.k, &of[1]));
+  PetscCall(spoilt_part(residual, basis, model, w, &probes, of, &defect->slip));
   PetscCall(diagonal_size(residual->system, of, &defect->size));
-  defect->size = PetscSqrtReal(defect->size / (w * DIAGONAL_SHARE));
-  if (defect->size > negligible) PetscCall(solved_size(residual->system, solver, of, &defect->size));
+  defect->size = probes.safety * PetscSqrtReal(defect->size / (w * DIAGONAL_SHARE));
+  if (defect->size > negligible) {
+    PetscCall(solved_size(residual->system, solver, of, &defect->size));
+    defect->size *= probes.safety;
+  }
   PetscCall(MatDestroy(&of[0]));
   PetscCall(MatDestroy(&of[1]));
-  PetscCall(PetscFree3(Phi[0], Phi[1], minus));
+  PetscCall(PetscFree(probes.W));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

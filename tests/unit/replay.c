@@ -103,7 +103,8 @@ static void make_rom(RomData *rom)
   TEST_PETSC(BVCreate(PETSC_COMM_WORLD, &V));
   TEST_PETSC(BVSetSizesFromVec(V, like, 1));
   TEST_PETSC(BVSetType(V, BVMAT));
-  TEST_PETSC(wall_geometry_gather(mould.mesh, V, 1e-3, 1e9, &geometry));
+  const ModelBasis basis = {.V = V, .r = 1};
+  TEST_PETSC(wall_geometry_gather(mould.mesh, &basis, 1e-3, 1e9, &geometry));
   unsigned long size[2] = {geometry.n_points, geometry.n_triangles};
   MPI_Bcast(size, 2, MPI_UNSIGNED_LONG, 0, PETSC_COMM_WORLD);
   *rom = (RomData){.n_points = size[0], .n_triangles = size[1]};

@@ -69,7 +69,10 @@ static void gather(MPI_Comm comm, WallGeometry *geometry, MouldMesh **mesh, Redu
   (*config)->order = order;
   TEST_PETSC(thermal_system_create(*mesh, *config, &system)); // gives the DM its numbering
   fill_basis(*mesh, &V);
-  TEST_PETSC(wall_geometry_gather(*mesh, V, BAND, budget, geometry));
+  PetscInt r;
+  TEST_PETSC(BVGetActiveColumns(V, NULL, &r));
+  const ModelBasis basis = {.V = V, .r = r};
+  TEST_PETSC(wall_geometry_gather(*mesh, &basis, BAND, budget, geometry));
   TEST_PETSC(BVDestroy(&V));
   TEST_PETSC(thermal_system_destroy(&system));
 }
