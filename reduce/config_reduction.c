@@ -48,6 +48,13 @@ const char *reduce_config_method(ReductionMethod method)
   return METHODS[method];
 }
 
+/* A basis need only be much better than the model made of it; but what its solves leave over the certificate has to add,
+ * and above 1e-5 that is more than the model's own error at slow rates. */
+double reduce_config_solver_rtol(double tolerance)
+{
+  return fmin(1e-2 * tolerance, 1e-5);
+}
+
 /* The settings of the methods; those of the others are refused. */
 static CastStatus read_method(YamlNode reduction, ReductionConfig *config, CastError *err)
 {
@@ -81,8 +88,8 @@ CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, Ca
   const YamlNode early = yaml_get(reduction, "second_stage_weight");
   if (!config->second_stage && yaml_exists(early)) yaml_problem(early, "there is no second stage");
   config->early_weight = yaml_quantity(early, "1", (YamlRange){0.0, 0.9, false}, 0.4);
-  // moments build on one another and must be exact; a basis need only be much better than the model made of it
-  const double rtol = config->method == REDUCTION_ARNOLDI ? 1e-12 : 1e-2 * config->tolerance;
+  const bool arnoldi = config->method == REDUCTION_ARNOLDI; // whose moments build on one another: they must be exact
+  const double rtol = arnoldi ? 1e-12 : reduce_config_solver_rtol(config->tolerance);
   config->solver_rtol = yaml_quantity(yaml_get(reduction, "solver_tolerance"), "1", (YamlRange){0.0, 0.1, true}, rtol);
   const YamlNode basis = yaml_get(reduction, "basis");
   if (config->method != REDUCTION_RATIONAL) refuse(basis, METHODS[config->method]);
