@@ -283,6 +283,16 @@ static bool line_is_hidden(const Surface *s, const SheetLine *line, const Crossi
   return stretch_hides(s, &stretch);
 }
 
+double surface_overhang(const Surface *surface)
+{
+  return OVERHANG * surface->reach;
+}
+
+double surface_facing_alike(void)
+{
+  return FACING_ALIKE;
+}
+
 bool surface_thin_near(const Surface *surface, const double x[3])
 {
   int32_t at[3];
@@ -303,7 +313,7 @@ bool surface_hides(const Surface *surface, const double a[3], const double b[3],
   SheetLine line;
   Crossing found[MAX_CROSSINGS];
   line_create(a, b, &line);
-  const int count = find_crossings(surface, &line, OVERHANG * surface->reach / length, found);
+  const int count = find_crossings(surface, &line, surface_overhang(surface) / length, found);
   return count > 0 && line_is_hidden(surface, &line, found, count, end);
 }
 

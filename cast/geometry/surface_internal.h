@@ -1,10 +1,12 @@
 /* surface_internal.h - what the files of the surface share; not for other folders.
  * surface.c      storage, topology, pseudo-normals       surface_grid.c   the search grid
  * surface_query.c nearest point, inside                  surface_cross.c  crossings, what hides what
- * surface_thin.c where the mould is thin                 surface_samples.c points spread over the cavity wall */
+ * surface_thin.c where the mould is thin                 surface_samples.c points spread over the cavity wall
+ * surface_sight.c what one place surely sees */
 #ifndef CAST_GEOMETRY_SURFACE_INTERNAL_H
 #define CAST_GEOMETRY_SURFACE_INTERNAL_H
 
+#include "cast/geometry/sight.h"
 #include "cast/geometry/surface.h"
 #include "common/vector.h"
 
@@ -133,6 +135,8 @@ bool surface_hides(const Surface *surface, const double a[3], const double b[3],
 /* Would a straight way that enters the mould at p (normal n) and leaves it at q (normal m) only clip a convex edge, and
  * so leave its ends in sight of each other? */
 bool surface_clips(const Surface *surface, const double p[3], const double n[3], const double q[3], const double m[3]);
+double surface_overhang(const Surface *surface); // m, how far beyond its ends a way is looked at
+double surface_facing_alike(void);               // cosine: entered and left by faces so alike, mould hides nothing
 /* First passage of the ray from a along unit d, at most `length` m away; false if none. */
 bool surface_first_crossing(const Surface *surface, const double a[3], const double d[3], double length,
                             double *distance, int32_t *triangle);

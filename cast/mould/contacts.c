@@ -22,16 +22,23 @@
 /* A particle as far behind a wall particle's tangent plane as this, in spacings, does not see that side of an edge. */
 static const double behind = 0.2;
 
+/* What is asked of a wall particle for every pair, side by side in one cache line: walls never move. */
+struct WallFacing {
+  double x[3], normal[3], lift, volume; // m; lift: from the foot to x along the normal, m; m3
+};
+
 typedef struct Build {
   const ContactRules *rules;
   const Particles *p;
+  const WallFacing *facing; // [walls]
   const PairList *list;
   double period[3], slope, reach2; // m; 1/m5; m2
 } Build;
 
-typedef struct Touch {                     // one wall particle within reach of the row's fluid particle
-  int32_t wall, contact;                   // contact: its number within the row
-  double area, distance, normal[3], foot2; // foot2: m2, squared distance to the foot
+typedef struct Touch {   // one wall particle within reach of the row's fluid particle
+  int32_t wall, contact; // contact: its number within the row
+  double r2, across;     // m2, m: the way between them, squared and along the wall's normal
+  double area, distance; // m2, m
 } Touch;
 
 typedef struct Contact {
@@ -64,36 +71,41 @@ static double image(double d, double period)
   return period > 0.0 ? d - period * floor(d / period + 0.5) : d;
 }
 
-/* The way from wall particle k to fluid i, m; returns its squared length. */
-static double way_from_wall(const Build *b, ptrdiff_t i, ptrdiff_t k, double way[3])
+static WallFacing face_wall(const Particles *p, ptrdiff_t k)
 {
-  const Particles *p = b->p;
-  double r2 = 0.0;
+  WallFacing facing = {.volume = p->volume[p->n_fluid + k]};
   for (int d = 0; d < 3; d++) {
-    way[d] = image(p->x[d][i] - p->x[d][p->n_fluid + k], b->period[d]);
-    r2 += way[d] * way[d];
+    facing.x[d] = p->x[d][p->n_fluid + k];
+    facing.normal[d] = p->normal[d][k];
+    facing.lift += (facing.x[d] - p->foot[d][k]) * facing.normal[d];
   }
-  return r2;
+  return facing;
 }
 
-/* Area and distance of fluid i and wall particle k. */
-static void measure(const Build *b, ptrdiff_t i, ptrdiff_t k, const double way[3], double r2, Touch *touch)
+/* How fluid i lies to a wall particle. */
+static void place_touch(const Build *b, ptrdiff_t i, const WallFacing *wall, Touch *touch)
 {
-  const Particles *p = b->p;
-  const ptrdiff_t j = p->n_fluid + k;
-  double across = 0.0, lift = 0.0, foot2 = 0.0;
+  double r2 = 0.0, across = 0.0;
   for (int d = 0; d < 3; d++) {
-    const double r = way[d], n = p->normal[d][k], up = p->x[d][j] - p->foot[d][k];
-    across += r * n;
-    lift += up * n;
-    foot2 += (r + up) * (r + up);
-    touch->normal[d] = n;
+    const double way = image(b->p->x[d][i] - wall->x[d], b->period[d]);
+    r2 += way * way;
+    across += way * wall->normal[d];
   }
-  const double F = b->slope * shape_slope(b->rules->sph->kernel, sqrt(r2) / b->rules->sph->h);
-  touch->wall = (int32_t)k;
-  touch->area = 2.0 * p->volume[i] * p->volume[j] * F * across;
-  touch->distance = across + lift;
-  touch->foot2 = foot2;
+  touch->r2 = r2;
+  touch->across = across;
+  touch->distance = across + wall->lift;
+  touch->area = wall->volume; // until measure_rows
+}
+
+/* The areas of n touches, from the volumes of their wall particles. */
+PAIR_INLINE void measure_rows(const Build *b, KernelKind kernel, double twice_volume, Touch *touch, ptrdiff_t n)
+{
+  const double h = b->rules->sph->h, slope = b->slope;
+#pragma omp simd
+  for (ptrdiff_t t = 0; t < n; t++) {
+    const double F = slope * shape_slope(kernel, sqrt(touch[t].r2) / h);
+    touch[t].area = twice_volume * touch[t].area * F * touch[t].across;
+  }
 }
 
 static int32_t contact_of(Share *share, ptrdiff_t first, ptrdiff_t i, int32_t patch)
@@ -105,21 +117,31 @@ static int32_t contact_of(Share *share, ptrdiff_t first, ptrdiff_t i, int32_t pa
 }
 
 /* embedded: every wall particle of the list, since one may come into reach before the next build. */
-static void gather(const Build *b, ptrdiff_t i, ptrdiff_t first, Share *share)
+static ptrdiff_t gather_near(const Build *b, ptrdiff_t i, Touch *touch)
 {
   const bool all = b->rules->kind == COUPLING_EMBEDDED;
-  share->n_touch = 0;
+  const double lowest = -behind * b->rules->sph->spacing;
+  ptrdiff_t n = 0;
   for (ptrdiff_t l = b->list->start[i]; l < b->list->start[i + 1]; l++) {
-    const ptrdiff_t k = b->list->index[l] - b->p->n_fluid;
-    Touch *touch = &share->touch[share->n_touch];
-    double way[3];
-    const double r2 = way_from_wall(b, i, k, way);
-    if (!all && r2 >= b->reach2) continue; // listed for what may come: its area is zero
-    measure(b, i, k, way, r2, touch);
-    if (!all && (touch->area <= 0.0 || touch->distance < -behind * b->rules->sph->spacing)) continue;
-    touch->contact = contact_of(share, first, i, b->p->patch[k]);
-    share->n_touch++;
+    const int32_t k = b->list->index[l] - (int32_t)b->p->n_fluid;
+    touch[n].wall = k;
+    place_touch(b, i, &b->facing[k], &touch[n]);
+    // beyond reach: listed for what may come, the area is zero
+    n += all || (touch[n].r2 < b->reach2 && touch[n].across > 0.0 && touch[n].distance >= lowest);
   }
+  return n;
+}
+
+static void gather(const Build *b, ptrdiff_t i, ptrdiff_t first, Share *share)
+{
+  Touch *touch = share->touch;
+  const ptrdiff_t n = share->n_touch = gather_near(b, i, touch);
+  const double twice_volume = 2.0 * b->p->volume[i];
+  if (b->rules->sph->kernel == KERNEL_WENDLAND_C2) // nothing left to decide in the loop: vectors
+    measure_rows(b, KERNEL_WENDLAND_C2, twice_volume, touch, n);
+  else
+    measure_rows(b, b->rules->sph->kernel, twice_volume, touch, n);
+  for (ptrdiff_t t = 0; t < n; t++) touch[t].contact = contact_of(share, first, i, b->p->patch[touch[t].wall]);
 }
 
 /* Near a thin mould wall a particle may see wall particles whose foot is on the other side: under the floor of the
@@ -129,14 +151,22 @@ static bool patch_in_sight(const Build *b, ptrdiff_t i, const Share *share, int3
 {
   const Particles *p = b->p;
   const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]}, lift = 0.05 * b->rules->sph->spacing;
-  const Touch *nearest = &share->touch[0];
+  double least = INFINITY;
+  int32_t nearest = share->touch[0].wall;
   for (ptrdiff_t t = 0; t < share->n_touch; t++) {
     const Touch *touch = &share->touch[t];
     if (touch->contact != number) continue;
-    if (nearest->contact != number || touch->foot2 < nearest->foot2) nearest = touch;
+    double foot2 = 0.0;
+    for (int d = 0; d < 3; d++) {
+      const double to = image(x[d] - p->foot[d][touch->wall], b->period[d]);
+      foot2 += to * to;
+    }
+    if (foot2 >= least) continue;
+    least = foot2;
+    nearest = touch->wall;
   }
   double foot[3];
-  for (int d = 0; d < 3; d++) foot[d] = p->foot[d][nearest->wall] + lift * nearest->normal[d];
+  for (int d = 0; d < 3; d++) foot[d] = p->foot[d][nearest] + lift * p->normal[d][nearest];
   return !surface_separates(b->rules->surface, x, foot);
 }
 
@@ -144,14 +174,15 @@ static bool patch_in_sight(const Build *b, ptrdiff_t i, const Share *share, int3
 static void sum_contact(const Build *b, ptrdiff_t i, int32_t number, Share *share, Contact *contact)
 {
   const bool embedded = b->rules->kind == COUPLING_EMBEDDED;
+  const double least = b->rules->least_distance;
   double area = 0.0, per_distance = 0.0, normal[3] = {0.0, 0.0, 0.0};
   const ptrdiff_t before = share->n_pairs;
   for (ptrdiff_t t = 0; t < share->n_touch; t++) {
     const Touch *touch = &share->touch[t];
     if (touch->contact != number) continue;
     area += touch->area;
-    per_distance += touch->area / fmax(touch->distance, b->rules->least_distance);
-    for (int d = 0; d < 3; d++) normal[d] += touch->area * touch->normal[d];
+    per_distance += touch->area / (touch->distance > least ? touch->distance : least);
+    for (int d = 0; d < 3; d++) normal[d] += touch->area * b->facing[touch->wall].normal[d];
     if (embedded) share->pair[share->n_pairs++] = touch->wall;
   }
   if (!embedded) {
@@ -251,8 +282,7 @@ static bool reserve(Contacts *c, ptrdiff_t n_near, ptrdiff_t n, ptrdiff_t pairs)
     const ptrdiff_t room = c->room_contacts = n + n / 4 + 64;
     ok = grow((void **)&c->patch, room, sizeof *c->patch) && grow((void **)&c->area, room, sizeof *c->area) &&
          grow((void **)&c->plane, room, sizeof *c->plane) && grow((void **)&c->power, room, sizeof *c->power) &&
-         grow((void **)&c->most, room, sizeof *c->most) &&
-         grow((void **)&c->mean_power, room, sizeof *c->mean_power) &&
+         grow((void **)&c->most, room, sizeof *c->most) && grow((void **)&c->mean_power, room, sizeof *c->mean_power) &&
          grow((void **)&c->pair_start, room, sizeof *c->pair_start) &&
          grow((void **)&c->of_patch, room, sizeof *c->of_patch);
   }
@@ -330,25 +360,39 @@ static Build begin_build(const ContactRules *rules, const Particles *p, const Ne
                  .list = neighbours_fluid_wall(neighbours),
                  .period = {period[0], period[1], period[2]},
                  .slope = shape_norm(rules->sph->kernel) / (h * h * h * h * h),
-                 .reach2 = pow(kernel_support(rules->sph->kernel) * h, 2.0)};
+                 .reach2 = (1.0 - 1e-12) * pow(kernel_support(rules->sph->kernel) * h, 2.0)}; // no area is zero
 }
 
 double contacts_share(const ContactRules *rules, const Particles *p, const Neighbours *neighbours, ptrdiff_t i,
                       ptrdiff_t k)
 {
   const Build build = begin_build(rules, p, neighbours);
+  const WallFacing wall = face_wall(p, k);
   Touch touch;
-  double way[3];
-  const double r2 = way_from_wall(&build, i, k, way);
-  measure(&build, i, k, way, r2, &touch);
+  place_touch(&build, i, &wall, &touch);
+  measure_rows(&build, rules->sph->kernel, 2.0 * p->volume[i], &touch, 1);
   if (touch.area <= 0.0 || touch.distance < -behind * rules->sph->spacing) return 0.0;
   return touch.area / fmax(touch.distance, rules->least_distance);
+}
+
+/* Once for a run. */
+static bool face_walls(Contacts *c, const Particles *p)
+{
+  const ptrdiff_t n = p->n - p->n_fluid;
+  if (c->facing && c->n_facing == n) return true;
+  free(c->facing);
+  c->facing = aligned_alloc(64, (size_t)(n + 1) * sizeof *c->facing);
+  c->n_facing = n;
+  for (ptrdiff_t k = 0; c->facing && k < n; k++) c->facing[k] = face_wall(p, k);
+  return c->facing != NULL;
 }
 
 CastStatus contacts_build(Contacts *c, const ContactRules *rules, const Particles *p, const Neighbours *neighbours,
                           CastError *err)
 {
-  const Build build = begin_build(rules, p, neighbours);
+  CAST_CHECK(face_walls(c, p), err, CAST_ERR_MEMORY, "coupling: no memory for %td walls", p->n - p->n_fluid);
+  Build build = begin_build(rules, p, neighbours);
+  build.facing = c->facing;
   const ptrdiff_t longest = longest_row(build.list);
   const int most = omp_get_max_threads();
   int used = 0;
@@ -381,5 +425,6 @@ void contacts_free(Contacts *c)
   free(c->conductance);
   free(c->of_patch_start);
   free(c->of_patch);
+  free(c->facing);
   *c = (Contacts){0};
 }

@@ -6,6 +6,8 @@
 
 #include "cast/mould/coupling.h"
 
+typedef struct WallFacing WallFacing; // what contacts need of a wall particle
+
 typedef struct Contacts {
   ptrdiff_t n_near;                     // fluid particles with contacts
   int32_t *near;                        // [n_near] their indices, ascending
@@ -22,6 +24,8 @@ typedef struct Contacts {
   double *conductance;                  // [pair_start[n]] W/K
   ptrdiff_t *of_patch_start, *of_patch; // [m + 1], [n]: contacts of each patch, ascending
   ptrdiff_t room_near, room_contacts, room_pairs;
+  WallFacing *facing; // [n_facing] of all wall particles
+  ptrdiff_t n_facing;
 } Contacts;
 
 typedef struct ContactRules {

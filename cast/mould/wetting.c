@@ -112,10 +112,11 @@ static double cover_sum(const Wetting *w, const Seen *seen, ptrdiff_t s, double 
 {
   enum { CHUNK = 128 };
   const double at[3] = {w->samples.x[0][s], w->samples.x[1][s], w->samples.x[2][s]}, per_dx = 1.0 / w->sph->spacing;
-  const double n[3] = {w->normal[0][s], w->normal[1][s], w->normal[2][s]}, reach2 = w->reach * w->reach;
+  const double n[3] = {w->normal[0][s], w->normal[1][s], w->normal[2][s]}, dx = w->sph->spacing;
+  const double highest = off * dx, far2 = beside * beside * dx * dx; // beyond either nothing is covered
   CellRun run[CELLS_RUNS];
   const int runs = cells_runs(&w->cells, at, run);
-  double sum = 0.0, r2[CHUNK], height[CHUNK];
+  double sum = 0.0, aside2[CHUNK], height[CHUNK];
   for (int r = 0; r < runs; r++) {
     const double from[3] = {at[0] - run[r].shift[0], at[1] - run[r].shift[1], at[2] - run[r].shift[2]};
     for (ptrdiff_t first = run[r].first; first < run[r].end; first += CHUNK) {
@@ -123,13 +124,14 @@ static double cover_sum(const Wetting *w, const Seen *seen, ptrdiff_t s, double 
       const double *x = w->x[0] + first, *y = w->x[1] + first, *z = w->x[2] + first;
 #pragma omp simd
       for (ptrdiff_t k = 0; k < m; k++) {
-        const double dx = x[k] - from[0], dy = y[k] - from[1], dz = z[k] - from[2];
-        height[k] = dx * n[0] + dy * n[1] + dz * n[2];
-        r2[k] = height[k] > sunk ? dx * dx + dy * dy + dz * dz : reach2; // as good as beyond reach
+        const double rx = x[k] - from[0], ry = y[k] - from[1], rz = z[k] - from[2];
+        const double up = rx * n[0] + ry * n[1] + rz * n[2], aside = rx * rx + ry * ry + rz * rz - up * up;
+        height[k] = up;
+        aside2[k] = up > sunk && up < highest ? aside : far2;
       }
       for (ptrdiff_t k = 0; k < m; k++) {
-        if (r2[k] >= reach2) continue;
-        const double beside2 = positive(r2[k] - height[k] * height[k]) * per_dx * per_dx;
+        if (aside2[k] >= far2) continue;
+        const double beside2 = positive(aside2[k]) * per_dx * per_dx;
         const double share = cover(height[k] * per_dx, beside2) * (w->volume[first + k] * cube(per_dx));
         const int32_t point = w->point[first + k];
         if (share > 0.0 &&

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "cast/geometry/surface_internal.h"
+#include "cast/geometry/walls.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/shaped_mould.h"
 
@@ -173,6 +174,81 @@ static void hiding_is_mutual(void **state)
   assert_true(hidden > 20);
 }
 
+typedef struct QuickAnswers {
+  long asked, free;  // pairs that nothing separates: all, and those of which sight_is_free was sure
+  long seen, met;    // wall particles that are seen: all, and those of which sight_meets_wall was sure
+  long unfelt, open; // echoes that are not felt: all, and those of which sight_enters_nothing was sure
+} QuickAnswers;
+
+static void compare_walls(const RandomMould *made, const WallSet *walls, const double x[3], const Sight *sight,
+                          double length, QuickAnswers *count)
+{
+  for (ptrdiff_t k = 0; k < walls->n; k++) {
+    const double place[3] = {walls->x[0][k], walls->x[1][k], walls->x[2][k]};
+    if (vec_distance2(place, x) >= length * length) continue;
+    const double foot[3] = {walls->foot[0][k], walls->foot[1][k], walls->foot[2][k]},
+                 normal[3] = {walls->normal[0][k], walls->normal[1][k], walls->normal[2][k]};
+    const bool seen = walls_seen(made->surface, x, place, foot, normal, walls->echo[k]);
+    if (walls->echo[k]) {
+      const bool sure = sight_enters_nothing(sight, place);
+      count->unfelt += !seen;
+      count->open += sure;
+      if (sure) assert_false(seen);
+    } else {
+      const bool sure = sight_meets_wall(sight, place, normal);
+      count->seen += seen;
+      count->met += sure;
+      if (sure) assert_true(seen);
+    }
+  }
+}
+
+static void compare_void(const RandomMould *made, unsigned long long *seed, const double a[3], const Sight *sight,
+                         QuickAnswers *count)
+{
+  for (int i = 0; i < 200; i++) {
+    double b[3], d[3];
+    random_point(seed, (const double[3]){-0.45, -0.45, -0.45}, (const double[3]){0.45, 0.45, 0.45}, d);
+    vec_axpy(1.0, d, a, b);
+    if (surface_inside_mould(made->surface, b)) continue;
+    const bool hidden = surface_separates(made->surface, a, b), sure = sight_is_free(sight, b);
+    count->asked += !hidden;
+    count->free += sure;
+    if (sure) assert_false(hidden || surface_separates(made->surface, b, a));
+  }
+}
+
+/* Where a quick answer is sure the slow one is the same, and most slow ones are saved. */
+static void what_is_surely_in_sight_is_in_sight(void **state)
+{
+  (void)state;
+  const double reach = 0.8, origin[3] = {0.0, 0.0, 0.0};
+  unsigned long long seed = 25;
+  QuickAnswers count = {0};
+  for (int m = 0; m < MOULDS; m++) {
+    RandomMould made;
+    WallSet walls;
+    CastError err = {0};
+    make_mould(&seed, reach, &made);
+    if (walls_generate(made.surface, 0.2, 0.5, origin, &walls, &err) != CAST_OK) fail_msg("%s", err.message);
+    for (int i = 0; i < 2000; i++) {
+      double a[3];
+      random_point(&seed, (const double[3]){-3, -3, -3}, (const double[3]){3, 3, 3}, a);
+      if (!surface_thin_near(made.surface, a) || surface_inside_mould(made.surface, a)) continue;
+      Sight sight;
+      sight_from(made.surface, a, reach, &sight);
+      compare_void(&made, &seed, a, &sight, &count);
+      if (i < 200) compare_walls(&made, &walls, a, &sight, 0.6, &count);
+    }
+    walls_destroy(&walls);
+    release(&made);
+  }
+  print_message("surely free %ld of %ld, surely met %ld of %ld, surely not felt %ld of %ld\n", count.free, count.asked,
+                count.met, count.seen, count.open, count.unfelt);
+  assert_true(count.asked > 10000 && count.free > count.asked / 2);
+  assert_true(count.seen > 2000 && count.met > count.seen / 2);
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {
@@ -180,6 +256,7 @@ int main(void)
       cmocka_unit_test(nearest_agrees_with_looking_at_every_triangle),
       cmocka_unit_test(rays_meet_the_surface_where_mould_and_void_change),
       cmocka_unit_test(hiding_is_mutual),
+      cmocka_unit_test(what_is_surely_in_sight_is_in_sight),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
