@@ -133,10 +133,12 @@ static Range freezing_range(const Sim *sim, FreezingField field)
 
 static void print_freezing(FILE *out, const Sim *sim)
 {
+  bool any = false;
   for (int f = 0; f < FREEZING_FIELDS; f++) {
     const Range r = freezing_range(sim, (FreezingField)f);
-    if (r.least > r.most) continue; // nothing froze
-    if (f == 0) fprintf(out, "Freezing                      least        mean        most\n");
+    if (r.least > r.most || (f == FREEZING_REMELTED && r.most == 0.0)) continue; // nothing froze, nothing remelted
+    if (!any) fprintf(out, "Freezing                      least        mean        most\n");
+    any = true;
     fprintf(out, "  %-22s%11.5g %11.5g %11.5g %s\n", freezing_texts[f].name, r.least, r.mean, r.most,
             freezing_texts[f].units);
   }
