@@ -40,3 +40,20 @@ setup_run_example() {
   echo "Picture:  $PWD/results/filling.png"
   echo "Summary:  $PWD/results/summary.txt"
 }
+
+# Build, then run the study of the given folder: reduce its mould once, then one run after the other.
+setup_run_study() {
+  export OMP_WAIT_POLICY=passive
+  setup_packages
+  setup_build build
+  local build=$PWD/build
+  cd "$1"
+  "$build/reduce/castreduce" run mould.yaml
+  "$build/cast/castrun" sweep "$2"
+  local run
+  for run in study/run-*; do "$build/cast/castrun" draw "$run"; done
+  echo
+  echo "Table:    $PWD/study/study.csv"
+  echo "Picture:  $PWD/study/study.png"
+  echo "Runs:     $PWD/study/run-0001 and so on, each with its pictures and summary"
+}
