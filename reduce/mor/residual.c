@@ -273,21 +273,24 @@ static PetscErrorCode diagonal_size(const ThermalSystem *system, Mat of[2], Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* sqrt of the trace of X^H (w E + K)^-1 X >= the 2-norm, X = X_r + i X_i */
+/* sqrt(lambda_max(X_r^T M^-1 X_r)) + the same of X_i >= the 2-norm of M^(-1/2) (X_r + i X_i), M = w E + K */
 static PetscErrorCode solved_size(const ThermalSystem *system, ShiftedSolver *solver, Mat of[2], PetscReal *size)
 {
   PetscInt k;
-  PetscReal *G, sum = 0.0;
+  PetscReal *G, *none, largest;
 
   PetscFunctionBeginUser;
+  *size = 0.0;
   PetscCall(MatGetSize(of[0], NULL, &k));
   PetscCall(PetscMalloc1((size_t)k * (size_t)k, &G));
+  PetscCall(PetscCalloc1((size_t)k * (size_t)k, &none));
   for (int part = 0; part < 2; part++) {
     PetscCall(energy_of(system, solver, of[part], G));
-    for (PetscInt c = 0; c < k; c++) sum += G[c + c * k];
+    PetscCall(small_hermitian_largest(PetscObjectComm((PetscObject)system->E), k, G, none, &largest));
+    *size += PetscSqrtReal(PetscMax(largest, 0.0));
   }
-  *size = PetscSqrtReal(PetscMax(sum, 0.0));
   PetscCall(PetscFree(G));
+  PetscCall(PetscFree(none));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -324,23 +327,22 @@ static PetscErrorCode galerkin_slip(const KrylovBasis *basis, const ModalModel *
 /* W: all inputs, or of many a few random sums with signs +-1/sqrt(k), the same on every rank: then
  * ||X D||_F^2 = E ||X W||_F^2 (Hutchinson 1990, Commun. Stat. Simul. 19, 433), with a spread of at most
  * sqrt(2/k) of it: the root, half as large again, lies above in all but one of some thousand cases. */
-static PetscErrorCode choose_probes(PetscInt p, const PetscReal *weight, Probes *probes)
+static PetscErrorCode choose_probes(PetscInt p, const PetscReal *weight, PetscBool every_input, Probes *probes)
 {
   enum { PROBES = 32 };
+  const PetscBool all = (PetscBool)(every_input || p <= 2 * PROBES);
   uint64_t random = 0x9e3779b97f4a7c15u;
 
   PetscFunctionBeginUser;
-  *probes = (Probes){.k = p <= 2 * PROBES ? p : PROBES, .safety = p <= 2 * PROBES ? 1.0 : 1.5, .weight = weight};
+  *probes = (Probes){.k = all ? p : PROBES, .safety = all ? 1.0 : 1.5, .weight = weight};
   PetscCall(PetscCalloc1((size_t)p * (size_t)probes->k, &probes->W));
-  for (PetscInt l = 0; l < p; l++)
-    if (probes->k == p) {
-      probes->W[l + l * p] = weight[l];
-    } else {
-      for (PetscInt c = 0; c < probes->k; c++) {
-        random = random * 6364136223846793005u + 1442695040888963407u;
-        probes->W[l + c * p] = (random >> 63 ? 1.0 : -1.0) * weight[l] / PetscSqrtReal((PetscReal)probes->k);
-      }
+  for (PetscInt l = 0; l < p; l++) {
+    if (all) probes->W[l + l * p] = weight[l];
+    for (PetscInt c = 0; c < probes->k && !all; c++) {
+      random = random * 6364136223846793005u + 1442695040888963407u;
+      probes->W[l + c * p] = (random >> 63 ? 1.0 : -1.0) * weight[l] / PetscSqrtReal((PetscReal)probes->k);
     }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -365,28 +367,38 @@ static PetscErrorCode spoilt_part(const Residual *residual, const KrylovBasis *b
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
-                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
-                               ResidualDefect *defect)
+/* solve: the size by solves on every input, else an upper bound of it, without any, on the probes */
+static PetscErrorCode examine(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
+                              ShiftedSolver *solver, const PetscReal *weight, PetscBool solve, ResidualDefect *defect)
 {
   const PetscReal w = shifted_solver_get_shift(solver);
   Mat of[2];
   Probes probes;
 
   PetscFunctionBeginUser;
-  PetscCall(choose_probes(residual->p, weight, &probes));
+  PetscCall(choose_probes(residual->p, weight, solve, &probes));
   PetscCall(dense_block_create(residual->system->E, probes.k, &of[0]));
   PetscCall(dense_block_create(residual->system->E, probes.k, &of[1]));
   PetscCall(spoilt_part(residual, basis, model, w, &probes, of, &defect->slip));
-  PetscCall(diagonal_size(residual->system, of, &defect->size));
-  defect->size = probes.safety * PetscSqrtReal(defect->size / (w * DIAGONAL_SHARE));
-  if (defect->size > negligible) {
+  if (solve) {
     PetscCall(solved_size(residual->system, solver, of, &defect->size));
-    defect->size *= probes.safety;
+  } else {
+    PetscCall(diagonal_size(residual->system, of, &defect->size));
+    defect->size = probes.safety * PetscSqrtReal(defect->size / (w * DIAGONAL_SHARE));
   }
   PetscCall(MatDestroy(&of[0]));
   PetscCall(MatDestroy(&of[1]));
   PetscCall(PetscFree(probes.W));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
+                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
+                               ResidualDefect *defect)
+{
+  PetscFunctionBeginUser;
+  PetscCall(examine(residual, basis, model, solver, weight, PETSC_FALSE, defect));
+  if (defect->size > negligible) PetscCall(examine(residual, basis, model, solver, weight, PETSC_TRUE, defect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

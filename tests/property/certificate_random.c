@@ -1,10 +1,12 @@
 /* The certificate is honest: on 20 random moulds the true error of H(iw), at frequencies that neither the reduction nor
- * its certificate has used, is never above the certified bound, and that is at most three times too large. */
+ * its certificate has used, is never above the certified bound, and that is at most three times too large.
+ * Other moulds than those of the table: certificate_random -first_seed 1000 -moulds 20 */
 #include "tests/support/petsc_test.h"
 
 #include <math.h>
 #include <slepcsys.h>
 
+#include "reduce/config.h"
 #include "tests/support/full_transfer.h"
 #include "tests/support/mould_case.h"
 #include "tests/support/random_mould.h"
@@ -30,7 +32,7 @@ static ReductionConfig config_of(unsigned long long seed)
   config.tolerance = pow(10.0, -2.0 - (double)(seed % 3));
   config.second_stage = seed % 2 == 0;
   config.iterative = seed % 3 == 0;
-  config.solver_rtol = 1e-2 * config.tolerance;
+  config.solver_rtol = reduce_config_solver_rtol(config.tolerance);
   return config;
 }
 
@@ -61,30 +63,80 @@ static void examine(unsigned long long seed, Outcome *outcome)
   TEST_PETSC(thermal_system_destroy(&system));
 }
 
-static void the_true_error_is_below_what_is_certified_and_not_far(void **state)
+static void report(const Outcome *outcome, double start)
 {
-  (void)state;
-  const double start = validation_cpu_time();
-  Outcome outcome = {.least = INFINITY, .fewest = 1 << 30};
-  validation_begin("R2 random");
-  for (unsigned long long seed = 0; seed < MOULDS; seed++) examine(seed, &outcome);
   validation_write(&(ValidationRow){
       .id = "R2 random",
       .quantity = validation_text("certified over true error of H(iw), %d random moulds, %d frequencies each", MOULDS,
                                   FREQUENCIES),
       .reference = "full model, real 2n x 2n LU",
-      .ours = validation_text("%.2f to %.2f", outcome.least, outcome.most),
-      .error = validation_text("certificate %.2f of the reduction's time", outcome.certificate / outcome.reduction),
+      .ours = validation_text("%.2f to %.2f", outcome->least, outcome->most),
+      .error = validation_text("certificate %.2f of the reduction's time", outcome->certificate / outcome->reduction),
       .target = "1 to 3; at most 1 of the time",
-      .resolution = validation_text("%d to %d unknowns", outcome.fewest, outcome.largest),
+      .resolution = validation_text("%d to %d unknowns", outcome->fewest, outcome->largest),
       .cpu_seconds = validation_cpu_time() - start});
+}
+
+static void the_true_error_is_below_what_is_certified_and_not_far(void **state)
+{
+  (void)state;
+  const double start = validation_cpu_time();
+  Outcome outcome = {.least = INFINITY, .fewest = 1 << 30};
+  PetscInt first = 0, n = MOULDS;
+  TEST_PETSC(PetscOptionsGetInt(NULL, NULL, "-first_seed", &first, NULL));
+  TEST_PETSC(PetscOptionsGetInt(NULL, NULL, "-moulds", &n, NULL));
+  const PetscBool usual = (PetscBool)(first == 0 && n == MOULDS);
+  if (usual) validation_begin("R2 random");
+  for (PetscInt k = 0; k < n; k++) examine((unsigned long long)(first + k), &outcome);
+  if (usual) report(&outcome, start);
+  print_message("moulds %d to %d: certified over true %.2f to %.2f, certificate %.2f of the reduction's time\n",
+                (int)first, (int)(first + n - 1), outcome.least, outcome.most, outcome.certificate / outcome.reduction);
   assert_true(outcome.least >= 1.0);
   assert_true(outcome.most <= 3.0);
 }
 
+/* Of more than 64 inputs inexact solves are examined on random sums; loose enough to matter. */
+static void the_true_error_of_a_mould_of_72_patches_is_below_what_is_certified(void **state)
+{
+  (void)state;
+  const BoxMould box = {.size = {0.018, 0.016, 0.012},
+                        .cells = {9, 8, 6},
+                        .grading = 2.0,
+                        .patches = {9, 8},
+                        .h_sides = 15.0,
+                        .h_top = 30.0,
+                        .kappa = {1.0},
+                        .rho = {1800.0},
+                        .c = {1100.0}};
+  ReductionConfig config = rational_config();
+  MouldCase mould;
+  ReducedModel *model;
+  double least = INFINITY, most = 0.0;
+  config.t_start = 0.05;
+  config.tolerance = 1e-2;
+  config.second_stage = false;
+  config.iterative = true;
+  config.solver_rtol = reduce_config_solver_rtol(config.tolerance);
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
+  TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &model));
+  for (double w = 0.02; w < 20.0; w *= 5.0) {
+    const double ratio = rom_certificate_bound(&model->certificate, w) / transfer_error(mould.system, model, w);
+
+    least = fmin(least, ratio);
+    most = fmax(most, ratio);
+  }
+  print_message("72 patches: certified over true %.2f to %.2f\n", least, most);
+  assert_true(least >= 1.0);
+  assert_true(most <= 3.0);
+  TEST_PETSC(reduced_model_destroy(&model));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
 int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(the_true_error_is_below_what_is_certified_and_not_far)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_true_error_of_a_mould_of_72_patches_is_below_what_is_certified),
+      cmocka_unit_test(the_true_error_is_below_what_is_certified_and_not_far)};
   if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   return SlepcFinalize() ? 1 : failed;
