@@ -39,8 +39,8 @@ PetscErrorCode modal_model_create(MPI_Comm comm, PetscInt r, PetscInt p, const P
 PetscErrorCode modal_model_project(const ModalModel *model, const PetscReal *U, PetscInt k, PetscBool singular,
                                    ModalModel **smaller)
 {
-  const size_t r = (size_t)model->r, n_basis = (size_t)model->n_basis, size = (size_t)k;
-  PetscReal *scaled, *K, *B, *constant, *QU, *composed;
+  const size_t r = (size_t)model->r, size = (size_t)k;
+  PetscReal *scaled, *K, *B, *constant;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc4(r * size, &scaled, size * size, &K, size * (size_t)model->p, &B, size, &constant));
@@ -51,14 +51,23 @@ PetscErrorCode modal_model_project(const ModalModel *model, const PetscReal *U, 
   PetscCall(small_multiply('T', 'N', k, 1, model->r, 1.0, U, model->constant, 0.0, constant));
   PetscCall(modal_model_create(model->comm, k, model->p, K, k, B, constant, singular, smaller));
   PetscCall(PetscFree4(scaled, K, B, constant));
-  PetscCall(PetscMalloc1(n_basis * size, &QU));
-  PetscCall(PetscMalloc1(n_basis * size, &composed)); // modes stay in terms of the Krylov basis
-  PetscCall(small_multiply('N', 'N', model->n_basis, k, model->r, 1.0, model->Q, U, 0.0, QU));
-  PetscCall(small_multiply('N', 'N', model->n_basis, k, k, 1.0, QU, (*smaller)->Q, 0.0, composed));
-  PetscCall(PetscFree(QU));
-  PetscCall(PetscFree((*smaller)->Q));
-  (*smaller)->Q = composed;
-  (*smaller)->n_basis = model->n_basis;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode modal_model_compose(const ModalModel *model, const PetscReal *U, ModalModel *smaller)
+{
+  const size_t n_basis = (size_t)model->n_basis, size = (size_t)smaller->r;
+  PetscReal *UQ, *composed;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)model->r * size, &UQ));
+  PetscCall(PetscMalloc1(n_basis * size, &composed));
+  PetscCall(small_multiply('N', 'N', model->r, smaller->r, smaller->r, 1.0, U, smaller->Q, 0.0, UQ));
+  PetscCall(small_multiply('N', 'N', model->n_basis, smaller->r, model->r, 1.0, model->Q, UQ, 0.0, composed));
+  PetscCall(PetscFree(UQ));
+  PetscCall(PetscFree(smaller->Q));
+  smaller->Q = composed;
+  smaller->n_basis = model->n_basis;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

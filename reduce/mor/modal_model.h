@@ -19,9 +19,12 @@ typedef struct ModalModel {
 PetscErrorCode modal_model_create(MPI_Comm comm, PetscInt r, PetscInt p, const PetscReal *K, PetscInt ld,
                                   const PetscReal *B, const PetscReal *constant, PetscBool singular,
                                   ModalModel **model);
-/* Project on the orthonormal columns of U [r x k] and diagonalise again. */
+/* Project on the orthonormal columns of U [r x k] and diagonalise again. The smaller model's Q is in terms of U. */
 PetscErrorCode modal_model_project(const ModalModel *model, const PetscReal *U, PetscInt k, PetscBool singular,
                                    ModalModel **smaller);
+/* Bring the smaller model's Q from U's terms to those of the Krylov basis, as model's is: half of a projection's work,
+ * left out for models that are only tried. */
+PetscErrorCode modal_model_compose(const ModalModel *model, const PetscReal *U, ModalModel *smaller);
 PetscReal modal_phi(PetscReal lambda, PetscReal t);
 /* What an error at time t is held against: the largest rise so far, but no less than what a heated half-space with the
  * same rise at t_end had by then, T ~ sqrt(t). (Heat from afar has not arrived early on: no relative error exists.) */

@@ -171,6 +171,7 @@ PetscErrorCode second_stage_truncate(const ModalModel *model, SecondStage *stage
       too_large = worst;
     }
   }
+  if (*smaller) PetscCall(modal_model_compose(model, U, *smaller));
   PetscCall(PetscFree2(U, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
