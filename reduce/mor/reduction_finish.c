@@ -54,7 +54,9 @@ PetscErrorCode reduction_shorten(Reduction *reduction)
                        .singular = reduction->system->singular,
                        .n_times = reference->n_times,
                        .time = reference->time,
-                       .allowed = 0.9 * (config->tolerance - reduction->step_error)};
+                       .allowed = 0.9 * (config->tolerance - reduction->step_error),
+                       .reference = reference,
+                       .limit = 0.98 * config->tolerance - reference->error};
   ModalModel *smaller;
 
   PetscFunctionBeginUser;

@@ -121,6 +121,18 @@ static PetscErrorCode deviation(const ModalModel *model, const ModalModel *small
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Inputs that the sample has left out may be among those whose error is known: it counts in proportion to its limit. */
+static PetscErrorCode add_known_error(const SecondStage *stage, const ModalModel *candidate, PetscReal *worst)
+{
+  PetscReal error;
+
+  PetscFunctionBeginUser;
+  if (!stage->reference) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(step_reference_compare(stage->reference, candidate, NULL, &error));
+  *worst = PetscMax(*worst, stage->allowed * error / stage->limit);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The order to try next between one that misses and one that keeps what is allowed: the error falls about exponentially
  * with the order. */
 static PetscInt next_order(PetscInt too_few, PetscReal too_large, PetscInt enough, PetscReal small, PetscReal allowed)
@@ -159,6 +171,7 @@ PetscErrorCode second_stage_truncate(const ModalModel *model, SecondStage *stage
     if (k <= too_few || k >= enough) break;
     PetscCall(modal_model_project(model, U, k, stage->singular, &candidate));
     PetscCall(deviation(model, candidate, stage->n_times, stage->time, &worst));
+    PetscCall(add_known_error(stage, candidate, &worst));
     if (worst <= allowed) {
       PetscCall(modal_model_destroy(smaller));
       *smaller = candidate;
