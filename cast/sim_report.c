@@ -110,7 +110,7 @@ static void report_steps(const Sim *sim)
   log_info(sim->log, "exchange  %.4g W/m2K from melt to wall, stiffness %.2g%s", h, stiffness,
            stiffness > 0.5 ? ": above 0.5, the exchange will take sub-steps" : " (stable below 0.5)");
   const double interval = coupling_mould_interval(sim->coupling, sim->mould, sim->particles.n_fluid, dt);
-  if (interval >= 1.5 * dt)
+  if (interval >= 1.5 * dt && !c->coupling.mould_frozen)
     log_info(sim->log, "mould     %zu states for %zu patches take a step for about every %.0f of the melt's",
              sim->rom->r, sim->rom->m, interval / dt);
 }
