@@ -258,6 +258,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   CAST_CALL(config_read_contact(yaml_require(root, "contact"), config, err));
   read_coupling(yaml_get(root, "coupling"), config);
   CAST_CALL(config_read_walls(yaml_get(root, "walls"), config, err));
+  config_read_tension(yaml_get(root, "surface_tension"), config);
   read_sph(yaml_require(root, "sph"), config);
   read_time(yaml_require(root, "time"), config);
   CAST_CALL(config_read_features(yaml_get(root, "features"), config, err));

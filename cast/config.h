@@ -60,6 +60,8 @@ typedef struct CastConfig {
   GasConfig gas;
   ContactLaws contact;
   CouplingParameters coupling; // .contact points to the laws above
+  bool tension;                // surface tension acts
+  double contact_angle;        // rad
   double spacing;              // m
   KernelKind kernel;
   double smoothing;   // h/spacing

@@ -172,6 +172,7 @@ static void put_config(FILE *out, const CastConfig *c, double sound_speed)
   config_put_contact(out, c);
   put_coupling(out, &c->coupling);
   config_put_walls(out, c);
+  config_put_tension(out, c);
   put_sph(out, c, sound_speed);
   fprintf(out, "time:\n  end: %.17g s\n", c->end);
   put_cool(out, &c->cool);

@@ -24,6 +24,7 @@ static CastStatus first_rates(Sim *sim, CastError *err)
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
   CAST_CALL(sim_rebuild(sim, err));
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
+  if (sim->tension) CAST_CALL(tension_push(sim->tension, &sim->particles, sim->neighbours, err));
   if (sim->gas) sim_gas_push(sim, 0.0);
   sim_pour_carry(sim);
   return CAST_OK;
@@ -43,6 +44,9 @@ static CastStatus build(Sim *sim, CastError *err)
   CAST_CALL(sim_setup_geometry(sim, err));
   CAST_CALL(sim_setup_particles(sim, err));
   CAST_CALL(sim_gas_create(sim, err));
+  if (c->tension)
+    CAST_CALL(
+        tension_create(c->kernel, sim->sph.h, &c->melt.surface_tension_of_t, c->contact_angle, &sim->tension, err));
   CAST_CALL(rom_state_create(sim->rom, c->scheme, c->preheat, c->ambient, &sim->mould, err));
   CAST_CALL(set_walls(sim, err));
   CAST_CALL(neighbours_create(kernel_support(c->kernel) * sim->sph.h, neighbours_skin(c->spacing), sim->surface,
@@ -83,6 +87,7 @@ void sim_destroy(Sim **sim)
   sim_pour_destroy(s);
   arrival_destroy(&s->arrival);
   gas_destroy(&s->gas);
+  tension_destroy(&s->tension);
   filling_destroy(&s->filling);
   coupling_destroy(&s->coupling);
   neighbours_destroy(&s->neighbours);
@@ -113,6 +118,11 @@ static void choose_step(Sim *sim)
   int which = 4;
   for (int k = 0; k < 4 && !(c->step > 0.0); k++)
     if (strcmp(limit.which, limits[k]) == 0) which = k;
+  const double capillary = sim->tension ? tension_step(sim->tension, sim->sph.rho0) : (double)INFINITY;
+  if (!(c->step > 0.0) && capillary < limit.step) {
+    limit.step = capillary;
+    which = 5;
+  }
   const double step = c->step > 0.0 ? c->step : limit.step;
   sim->counts.limited_by[which]++;
   // two equal steps where one and a sliver would be left
@@ -172,6 +182,7 @@ static CastStatus second_half(Sim *sim, CastError *err)
   double clock = log_wall_time();
   sim_set_forces(sim, sim->counts.time + sim->counts.dt);
   sph_rates(&sim->sph, &sim->particles, sim->neighbours);
+  if (sim->tension) CAST_CALL(tension_push(sim->tension, &sim->particles, sim->neighbours, err));
   if (sim->gas) sim_gas_push(sim, sim->counts.time + sim->counts.dt);
   lap(sim, PHASE_RATES, &clock);
   CAST_CALL(coupling_advance(sim->coupling, sim->mould, &sim->particles, sim->neighbours, sim->counts.dt, err));

@@ -17,6 +17,7 @@
 #include "cast/io/freezing.h"
 #include "cast/io/mould_results.h"
 #include "cast/io/provenance.h"
+#include "cast/physics/tension.h"
 #include "cast/sim.h"
 
 typedef enum SimPhase {
@@ -47,7 +48,7 @@ typedef struct SimCounts {
   double removed_mass;  // kg
   double fastest;       // m/s, largest speed seen at an output
   double substeps_most; // of the exchange with the mould
-  double limited_by[5]; // steps set by sound, force, viscosity, conduction, the input
+  double limited_by[6]; // steps set by sound, force, viscosity, conduction, the input, capillary waves
   double wall;          // s of wall time in the loop so far
   double seconds[PHASE_COUNT];
   double stage;                        // STAGE_FILL or STAGE_COOL
@@ -73,6 +74,7 @@ struct Sim {
   Inlet *inlet;                   // [config->n_inlets]
   uint8_t **outlet_patches;       // [config->n_outlets]
   Poured *poured;                 // [n_inlets + n_outlets]
+  Tension *tension;               // NULL: none acts
   Gas *gas;                       // NULL: none presses
   double box_low[3], box_high[3]; // m; melt outside is taken out
   RomState *mould;

@@ -10,7 +10,7 @@
 #include "common/h5.h"
 
 static const char FORMAT[] = "castrun checkpoint";
-enum { FORMAT_VERSION = 4 };
+enum { FORMAT_VERSION = 5 };
 
 /* ---- writing ---- */
 

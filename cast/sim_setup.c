@@ -79,6 +79,10 @@ static double choose_sound_speed(const Sim *sim)
     pull = fmax(pull, sqrt(g2));
   }
   // a drop of at least ten particles: melt at rest still needs a sound speed
+  const Table *sigma = &c->melt.surface_tension_of_t;
+  double tension = 0.0; // N/m; in a pin of four particles its pressure is 2 sigma/(2 spacings)
+  for (size_t i = 0; i < sigma->n && c->tension; i++) tension = fmax(tension, sigma->y[i]);
+  fastest2 = fmax(fastest2, tension / (c->melt.density * c->spacing));
   return 10.0 * sqrt(fastest2 + 2.0 * fmax(sim_drive_gain(sim), 10.0 * pull * c->spacing));
 }
 

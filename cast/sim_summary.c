@@ -10,7 +10,7 @@
 #include "cast/sim_private.h"
 
 static const char *const PHASE_NAMES[PHASE_COUNT] = {"motion", "neighbours", "pair sums", "mould", "output", "cooling"};
-static const char *const LIMIT_NAMES[5] = {"sound", "force", "viscosity", "conduction", "input"};
+static const char *const LIMIT_NAMES[6] = {"sound", "force", "viscosity", "conduction", "input", "capillarity"};
 
 typedef struct Range {
   double least, mean, most;
@@ -106,7 +106,7 @@ static void print_work(FILE *out, const Sim *sim, const Account *account)
     fprintf(out, "  %-12s %8.2f s  %5.1f %%\n", PHASE_NAMES[k], n->seconds[k],
             total > 0.0 ? 100.0 * n->seconds[k] / total : 0.0);
   fputs("  time step set by", out);
-  for (int k = 0; k < 5; k++)
+  for (int k = 0; k < 6; k++)
     if (n->limited_by[k] > 0.0)
       fprintf(out, " %s %.0f %%", LIMIT_NAMES[k], 100.0 * n->limited_by[k] / fmax(n->steps, 1.0));
   fprintf(out, "\n  mould's step: %.3g multiplications and additions; exchange in %.0f sub-step%s at most\n",
@@ -220,7 +220,7 @@ static json_t *work_object(const Sim *sim, const Account *a)
   const SimCounts *n = &sim->counts;
   json_t *phases = json_object(), *limits = json_object();
   for (int k = 0; k < PHASE_COUNT; k++) json_object_set_new(phases, PHASE_NAMES[k], number(n->seconds[k]));
-  for (int k = 0; k < 5; k++) json_object_set_new(limits, LIMIT_NAMES[k], number(n->limited_by[k]));
+  for (int k = 0; k < 6; k++) json_object_set_new(limits, LIMIT_NAMES[k], number(n->limited_by[k]));
   return json_pack("{so so so so so so so so so sI}", "steps", number(n->steps), "particle_steps",
                    number(n->particle_steps), "wall_s", number(n->wall), "setup_s", number(sim->seconds_setup),
                    "particle_steps_per_s", number(n->wall > 0.0 ? n->particle_steps / n->wall : 0.0), "phases_s",

@@ -200,6 +200,12 @@ static void a_resumed_run_has_the_bits_of_an_unbroken_one_with_embedded_coupling
   check_coupling("embedded", "{ kind: embedded }");
 }
 
+static void a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_tension(void **state)
+{
+  (void)state;
+  check_coupling("tension", "{ kind: surface }\nsurface_tension: true");
+}
+
 /* The first steps are made with sim_run here, so that frames and rows are written; then what was written after the
  * checkpoint is cut off again. */
 static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state)
@@ -287,6 +293,7 @@ int main(void)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_coupling),
       cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_embedded_coupling),
+      cmocka_unit_test(a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_tension),
       cmocka_unit_test(the_files_of_a_resumed_run_are_those_of_an_unbroken_one),
       cmocka_unit_test(a_run_resumed_while_it_cools_has_the_bits_and_files_of_an_unbroken_one),
       cmocka_unit_test(a_run_does_not_go_on_with_another_rom),

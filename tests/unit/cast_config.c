@@ -40,6 +40,7 @@ static const char EVERYTHING[] =
     "      value: 0.003 W/m/K\n"
     "      note: a guess\n"
     "    viscosity: 5 mPa.s\n"
+    "    surface_tension: 0.9 N/m\n"
     "  temperature: 900.7 degC\n"
     "  cavity_below: 3.3 mm\n"
     "  blocks:\n"
@@ -50,6 +51,7 @@ static const char EVERYTHING[] =
     "  acceleration: [0 m/s^2, 33.3 m/s^2, 0 m/s^2]\n"
     "contact: { perfect: true }\n"
     "coupling: { kind: embedded, mould: frozen }\n"
+    "surface_tension: { contact_angle: 101.3 deg }\n"
     "sph:\n"
     "  spacing: 0.3 mm\n"
     "  kernel: quintic-spline\n"
@@ -238,6 +240,9 @@ static void the_resolved_input_reads_again_to_the_same_bits(void **state)
     assert_true(first->coupling.mould_interval == second->coupling.mould_interval);
     assert_int_equal(first->cut_tension, second->cut_tension);
     assert_int_equal(first->scheme, second->scheme);
+    assert_int_equal(first->tension, second->tension);
+    assert_int_equal(first->tension, k == 1);
+    assert_true(k == 0 || first->contact_angle == second->contact_angle);
     assert_int_equal(first->has_level, second->has_level);
     assert_int_equal(first->output.mould_fields, second->output.mould_fields);
     assert_string_equal(first->melt.name, second->melt.name);

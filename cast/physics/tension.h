@@ -1,0 +1,27 @@
+/* tension.h - surface tension of the melt and its contact angle on the mould: a force on particles near the free
+ * surface.                                                                           (docs/theory, Surface tension)
+ *   a_i += (sigma/rho) 2 kappa_i grad c_i  - (sigma cos theta/rho) 4 |grad c_w| grad_t c
+ * c: the share of the space outside walls that melt fills; kappa from the normals of particles at the surface,
+ * smoothed inwards; c_w: the share that walls fill; grad_t: along the wall. The second term acts where the free
+ * surface meets a wall; a surface that meets it at a right angle feels none. No state from step to step: a function of
+ * places and temperatures. */
+#ifndef CAST_PHYSICS_TENSION_H
+#define CAST_PHYSICS_TENSION_H
+
+#include "cast/kernel/kernel.h"
+#include "cast/particles/neighbours.h"
+#include "common/table.h"
+
+typedef struct Tension Tension;
+
+/*  sigma  N/m over K, borrowed;  contact_angle  rad, in the melt
+ * Errors: CAST_ERR_MEMORY. */
+CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, double contact_angle, Tension **tension,
+                          CastError *err);
+void tension_destroy(Tension **tension);
+/* Add to the accelerations of the fluid. Call after sph_rates. Errors: CAST_ERR_MEMORY. */
+CastStatus tension_push(Tension *tension, Particles *particles, const Neighbours *neighbours, CastError *err);
+/* s, of a capillary wave as short as h: 0.25 sqrt(rho h^3/(2 pi sigma))            (Brackbill, Kothe & Zemach 1992) */
+double tension_step(const Tension *tension, double rho);
+
+#endif
