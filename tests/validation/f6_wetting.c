@@ -134,7 +134,8 @@ static void drops_take_their_contact_angle(void **unused)
     validation_write(&(ValidationRow){
         "F6", validation_text("angle of a sessile drop, contact angle %.0f deg", thetas[k]),
         validation_text("%.0f deg", thetas[k]), validation_text("%.1f deg", angle),
-        validation_text("%.1f deg", fabs(angle - thetas[k])), "5 deg",
+        validation_text("%.1f deg", fabs(angle - thetas[k])),
+        fabs(angle - thetas[k]) < 5.0 ? "5 deg" : "5 deg (missed)",
         "864 particles, 7 to 8 a radius; mean over 3 sqrt(rho L^3/sigma)", validation_cpu_time() - start});
     assert_true(angle > before + 10.0 && angle < 150.0); // what wets less stands higher, and nothing is thrown off
     before = angle;
@@ -180,9 +181,10 @@ static void a_slot_that_is_not_wetted_presses_back(void **unused)
   validation_begin("C2");
   for (int wide = 4; wide <= 8; wide += 4) {
     const double start = validation_cpu_time(), pressure = slot_pressure(wide, 130.0);
-    validation_write(&(ValidationRow){"C2", "pressure that a slot holds back over 2 sigma |cos theta|/w, 130 deg", "1",
-                                      validation_text("%.2f", pressure),
-                                      validation_text("%.0f %%", 100.0 * fabs(pressure - 1.0)), "15 %",
+    validation_write(&(ValidationRow){"C2", "pressure that a slot holds back over -2 sigma cos(theta)/w, theta 130 deg",
+                                      "1", validation_text("%.2f", pressure),
+                                      validation_text("%.0f %%", 100.0 * fabs(pressure - 1.0)),
+                                      fabs(pressure - 1.0) < 0.15 ? "15 %" : "15 % (missed)",
                                       validation_text("%d particles wide", wide), validation_cpu_time() - start});
     assert_true(pressure > 0.2 && pressure < 1.3); // it holds back; the row tells that it is too little
   }
