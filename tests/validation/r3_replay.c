@@ -19,11 +19,10 @@
 #include "tests/support/validation.h"
 
 static const char *castreduce, *castrun, *mpiexec;
-static MouldFiles files;
 
 static void must_run(const char *what)
 {
-  if (run("cd '%s' && %s 2>&1", files.folder, what) != 0) fail_msg("%s: %s", what, said);
+  if (run("cd '%s' && %s 2>&1", mould_files.folder, what) != 0) fail_msg("%s: %s", what, said);
 }
 
 /* The text with one piece replaced. */
@@ -42,11 +41,11 @@ static int make_case(void **state)
   (void)state;
   static char text[10000];
   char command[600];
-  mould_files_create(&files);
+  mould_files_create(&mould_files);
   snprintf(text, sizeof text, "%s", mould_files_yaml("mould.geo", "  unit: mm\n"));
   replace(text, sizeof text, "tolerance: 1e-2", "tolerance: 1e-3");
-  mould_files_write(&files, "mould.yaml", text);
-  mould_files_write(&files, "cast.yaml",
+  mould_files_write(&mould_files, "mould.yaml", text);
+  mould_files_write(&mould_files, "cast.yaml",
                     "rom: mould.rom.h5\npreheat: 800 degC\nambient: 25 degC\n"
                     "melt: { material: cual10, temperature: 1150 degC,\n"
                     "  blocks: [{ corner: [-4 mm, -3 mm, 8 mm], size: [8 mm, 6 mm, 3 mm] }] }\n"
@@ -64,9 +63,10 @@ static int remove_case(void **state)
 {
   (void)state;
   char command[300];
-  snprintf(command, sizeof command, "rm -r '%s/results'", files.folder); // which mould_files knows nothing of
+  snprintf(command, sizeof command, "rm -r '%s/results' '%s/second'", mould_files.folder,
+           mould_files.folder); // which mould_files knows nothing of
   if (system(command) != 0) return 1;
-  mould_files_remove(&files);
+  mould_files_remove(&mould_files);
   return 0;
 }
 
@@ -191,24 +191,26 @@ static void a_changed_input_or_another_rom_is_refused(void **state)
   (void)state;
   static char text[10000];
   snprintf(text, sizeof text, "%s", mould_files_yaml("mould.geo", "  unit: mm\n"));
-  mould_files_write(&files, "other.yaml", text); // its tolerance is another
-  assert_int_equal(
-      run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 --mould other.yaml 2>&1", files.folder, castreduce), 1);
+  mould_files_write(&mould_files, "other.yaml", text); // its tolerance is another
+  assert_int_equal(run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 --mould other.yaml 2>&1",
+                       mould_files.folder, castreduce),
+                   1);
   assert_non_null(strstr(said, "other.yaml is not what the ROM was made from"));
   must_run("cp mould.rom.h5 second.rom.h5 && printf x >> second.rom.h5"); // the same model, another file
-  assert_int_equal(run("cd '%s' && '%s' replay second.rom.h5 results/heat.h5 2>&1", files.folder, castreduce), 1);
+  assert_int_equal(run("cd '%s' && '%s' replay second.rom.h5 results/heat.h5 2>&1", mould_files.folder, castreduce), 1);
   assert_non_null(strstr(said, "results/heat.h5 was recorded with another ROM file"));
   must_run("cp mould.geo kept.geo && echo '// moved' >> mould.geo");
-  assert_int_equal(run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 2>&1", files.folder, castreduce), 1);
+  assert_int_equal(run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 2>&1", mould_files.folder, castreduce), 1);
   assert_non_null(strstr(said, "mould.geo has changed since the ROM was made"));
   must_run("mv kept.geo mould.geo");
-  assert_int_equal(run("cd '%s' && '%s' replay mould.rom.h5 mould.rom.h5 2>&1", files.folder, castreduce), 1);
+  assert_int_equal(run("cd '%s' && '%s' replay mould.rom.h5 mould.rom.h5 2>&1", mould_files.folder, castreduce), 1);
   assert_non_null(strstr(said, "is no record of heat flows"));
   assert_int_equal(
-      run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 --fields '20 ms' 2>&1", files.folder, castreduce), 1);
+      run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 --fields '20 ms' 2>&1", mould_files.folder, castreduce),
+      1);
   assert_non_null(strstr(said, "ascending times up to the record's end"));
-  assert_int_equal(run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 --speed 2>&1", files.folder, castreduce),
-                   2);
+  assert_int_equal(
+      run("cd '%s' && '%s' replay mould.rom.h5 results/heat.h5 --speed 2>&1", mould_files.folder, castreduce), 2);
 }
 
 int main(int argc, char **argv)
