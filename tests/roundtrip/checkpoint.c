@@ -15,17 +15,11 @@
 #include "common/h5.h"
 #include "common/heat_record.h"
 #include "tests/support/assert_ok.h"
-#include "tests/support/cast_case.h"
-
-typedef struct Run {
-  CastConfig *config;
-  Sim *sim;
-  char folder[128];
-} Run;
+#include "tests/support/cast_run.h"
 
 /* A run named `name`, ready to go. Fast melt, so that lists are rebuilt often; a level and a tracer, so that all is
  * used. */
-static Run start_in_stages(const char *name, const char *coupling, const char *time, const char *checkpoints)
+static CastRun start_in_stages(const char *name, const char *coupling, const char *time, const char *checkpoints)
 {
   char output[512];
   snprintf(output, sizeof output, "%s%s", checkpoints,
@@ -33,41 +27,18 @@ static Run start_in_stages(const char *name, const char *coupling, const char *t
            "probes: [{ name: pin, position: [0 mm, 0 mm, -5 mm] }]\n"
            "  tracers: [{ name: '1', nearest: [0 mm, 0 mm, -4 mm] }]\n");
   const CastCaseInput input = {.coupling = coupling, .time = time, .output = output};
-  CastError err = {0};
-  Run run = {0};
-  char path[128];
-  ok(cast_case_input(&casting, name, &input, path, &err), &err);
-  snprintf(run.folder, sizeof run.folder, "%.60s/%.60s", casting.folder, name);
-  mkdir(run.folder, 0777);
-  ok(cast_config_read(path, NULL, &run.config, &err), &err);
-  ok(sim_create(run.config, NULL, &run.sim, &err), &err);
-  ok(sim_open_output(run.sim, "test", &err), &err);
-  return run;
+  return cast_run_start(name, &input, true);
 }
 
-static Run start(const char *name, const char *coupling)
+static CastRun start(const char *name, const char *coupling)
 {
   return start_in_stages(name, coupling, "{ end: 1.2 ms }", "");
 }
 
-static void finish(Run *run)
-{
-  sim_destroy(&run->sim);
-  cast_config_destroy(&run->config);
-}
-
 static void assert_same_state(const Sim *a, const Sim *b)
 {
-  const Particles *p = sim_particles(a), *q = sim_particles(b);
   assert_true(sim_time(a) == sim_time(b) && sim_steps(a) == sim_steps(b));
-  assert_int_equal(p->n, q->n);
-  ParticleField field[PARTICLE_FIELDS], other[PARTICLE_FIELDS];
-  particles_fields(p, field);
-  particles_fields(q, other);
-  for (int f = 0; f < PARTICLE_FIELDS; f++)
-    if (memcmp(field[f].data, other[f].data, (size_t)p->n_fluid * sizeof(double)) != 0)
-      fail_msg("%s differs", field[f].name);
-  assert_memory_equal(p->id, q->id, (size_t)p->n_fluid * sizeof *p->id);
+  cast_run_assert_same_melt(a, b);
   const size_t n = rom_state_size(sim_mould(a));
   double *z = malloc(2 * n * sizeof *z);
   assert_non_null(z);
@@ -96,7 +67,7 @@ static char *file_rows(const char *folder, const char *name)
   return text;
 }
 
-static void assert_same_files(const Run *a, const Run *b)
+static void assert_same_files(const CastRun *a, const CastRun *b)
 {
   static const char *const names[] = {"probes.csv", "tracers.csv", "ledger.csv", "results.xmf", "mould.xmf"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -107,13 +78,13 @@ static void assert_same_files(const Run *a, const Run *b)
   }
 }
 
-static void assert_same_set(const Run *a, const Run *b, const char *name, const char *set)
+static void assert_same_set(const CastRun *a, const CastRun *b, const char *name, const char *set)
 {
   CastError err = {0};
   char path[256];
   double *values[2];
   hsize_t n[2];
-  const Run *const both[2] = {a, b};
+  const CastRun *const both[2] = {a, b};
   for (int k = 0; k < 2; k++) {
     hid_t file = -1;
     void *read = NULL;
@@ -134,7 +105,7 @@ static void assert_same_set(const Run *a, const Run *b, const char *name, const 
 }
 
 /* What a run gathers from its beginning and writes at its end. */
-static void assert_same_maps(const Run *a, const Run *b)
+static void assert_same_maps(const CastRun *a, const CastRun *b)
 {
   assert_same_set(a, b, "results.vtkhdf", "castrun/cavity/fill_time");
   assert_same_set(a, b, "results.vtkhdf", "castrun/cavity/front_temperature");
@@ -143,7 +114,7 @@ static void assert_same_maps(const Run *a, const Run *b)
   assert_same_set(a, b, "mould.vtkhdf", "VTKHDF/CellData/misrun");
 }
 
-static void assert_same_records(const Run *a, const Run *b)
+static void assert_same_records(const CastRun *a, const CastRun *b)
 {
   CastError err = {0};
   HeatRecord record[2];
@@ -167,7 +138,7 @@ static void check_coupling(const char *kind, const char *coupling)
   char whole_name[32], broken_name[32];
   snprintf(whole_name, sizeof whole_name, "whole_%s", kind);
   snprintf(broken_name, sizeof broken_name, "broken_%s", kind);
-  Run whole = start(whole_name, coupling), broken = start(broken_name, coupling);
+  CastRun whole = start(whole_name, coupling), broken = start(broken_name, coupling);
   SimEnd end;
   omp_set_num_threads(2);
   ok(sim_run(whole.sim, NULL, &end, &err), &err);
@@ -177,15 +148,15 @@ static void check_coupling(const char *kind, const char *coupling)
   ok(sim_run(broken.sim, &stop, &end, &err), &err);
   assert_int_equal(end, SIM_INTERRUPTED);
   assert_true(sim_time(broken.sim) < 1.0e-3);
-  finish(&broken);
+  cast_run_finish(&broken);
   omp_set_num_threads(1);
   ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
   assert_int_equal(end, SIM_FINISHED);
   assert_same_state(whole.sim, broken.sim);
   assert_same_records(&whole, &broken);
-  finish(&whole);
-  finish(&broken);
+  cast_run_finish(&whole);
+  cast_run_finish(&broken);
 }
 
 static void a_resumed_run_has_the_bits_of_an_unbroken_one_with_surface_coupling(void **state)
@@ -213,11 +184,11 @@ static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state
   (void)state;
   CastError err = {0};
   SimEnd end;
-  Run whole = start("files_whole", NULL), broken = start("files_broken", NULL);
+  CastRun whole = start("files_whole", NULL), broken = start("files_broken", NULL);
   ok(sim_run(whole.sim, NULL, &end, &err), &err);
   sim_request_checkpoint(broken.sim); // taken at the first rebuild; the run goes on beyond it to the end
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
-  finish(&broken);
+  cast_run_finish(&broken);
   ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
   assert_true(sim_time(broken.sim) < 1.0e-3);
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
@@ -225,8 +196,8 @@ static void the_files_of_a_resumed_run_are_those_of_an_unbroken_one(void **state
   assert_same_files(&whole, &broken);
   assert_same_maps(&whole, &broken);
   assert_same_records(&whole, &broken);
-  finish(&whole);
-  finish(&broken);
+  cast_run_finish(&whole);
+  cast_run_finish(&broken);
 }
 
 /* A run that leaves a checkpoint at every chance, so that its last is that before the last step but one of the cooling;
@@ -238,14 +209,14 @@ static void check_cooling(const char *kind, const char *coupling)
   snprintf(whole_name, sizeof whole_name, "cool_whole_%s", kind);
   snprintf(broken_name, sizeof broken_name, "cool_broken_%s", kind);
   const char *time = "{ end: 0.4 ms, cool: { end: 2 s, every: 0.3 s } }";
-  Run whole = start_in_stages(whole_name, coupling, time, "");
-  Run broken = start_in_stages(broken_name, coupling, time, "  checkpoint_every: 1 ns\n");
+  CastRun whole = start_in_stages(whole_name, coupling, time, "");
+  CastRun broken = start_in_stages(broken_name, coupling, time, "  checkpoint_every: 1 ns\n");
   SimEnd end;
   double switched;
   omp_set_num_threads(2);
   ok(sim_run(whole.sim, NULL, &end, &err), &err);
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
-  finish(&broken);
+  cast_run_finish(&broken);
   omp_set_num_threads(1);
   ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
   assert_true(sim_time(broken.sim) > 0.1 && sim_time(broken.sim) < 2.0);
@@ -256,8 +227,8 @@ static void check_cooling(const char *kind, const char *coupling)
   assert_same_files(&whole, &broken);
   assert_same_maps(&whole, &broken);
   assert_same_records(&whole, &broken);
-  finish(&whole);
-  finish(&broken);
+  cast_run_finish(&whole);
+  cast_run_finish(&broken);
 }
 
 static void a_run_resumed_while_it_cools_has_the_bits_and_files_of_an_unbroken_one(void **state)
@@ -273,9 +244,9 @@ static void a_run_does_not_go_on_with_another_rom(void **state)
   CastError err = {0};
   SimEnd end;
   volatile sig_atomic_t stop = 1;
-  Run run = start("other_rom", NULL);
+  CastRun run = start("other_rom", NULL);
   ok(sim_run(run.sim, &stop, &end, &err), &err);
-  finish(&run);
+  cast_run_finish(&run);
   char path[160];
   snprintf(path, sizeof path, "%s/mould.rom.h5", casting.folder);
   FILE *rom = fopen(path, "ab"); // one byte behind the data: the same model, another file

@@ -18,7 +18,7 @@
 #include "cast/sim.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
-#include "tests/support/cast_case.h"
+#include "tests/support/cast_run.h"
 
 /* ---- storage ---- */
 
@@ -129,33 +129,6 @@ static void outlets_take_what_is_in_their_box_or_beyond_their_plane(void **state
 
 /* ---- castings ---- */
 
-typedef struct Run {
-  CastConfig *config;
-  Sim *sim;
-  char folder[128];
-} Run;
-
-static Run start(const char *name, const CastCaseInput *input, bool with_output)
-{
-  CastError err = {0};
-  Run run = {0};
-  char path[128];
-  ok(cast_case_input(&casting, name, input, path, &err), &err);
-  snprintf(run.folder, sizeof run.folder, "%.60s/%.60s", casting.folder, name);
-  ok(cast_config_read(path, NULL, &run.config, &err), &err);
-  ok(sim_create(run.config, NULL, &run.sim, &err), &err);
-  if (!with_output) return run;
-  mkdir(run.folder, 0777);
-  ok(sim_open_output(run.sim, "test", &err), &err);
-  return run;
-}
-
-static void finish(Run *run)
-{
-  sim_destroy(&run->sim);
-  cast_config_destroy(&run->config);
-}
-
 static void assert_ledger_closes(const Sim *sim)
 {
   const EnergyLedger e = sim_ledger(sim);
@@ -185,7 +158,7 @@ static void a_stream_comes_in_at_its_rate_and_without_pressure(void **state)
           "      temperature: [[0 s, 1150 degC], [2.5 ms, 1200 degC]]\n",
       .forces = "{ gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2] }",
       .time = "{ end: 2.5 ms }"};
-  Run run = start("stream", &input, false);
+  CastRun run = cast_run_start("stream", &input, false);
   const Particles *p = sim_particles(run.sim);
   const ptrdiff_t buffer = 4 * 49, before = p->n_fluid;
   assert_int_equal(before, buffer);
@@ -204,7 +177,7 @@ static void a_stream_comes_in_at_its_rate_and_without_pressure(void **state)
   const EnergyLedger e = sim_ledger(run.sim); // hardly anything has touched the mould
   assert_true(e.added > 0.0);
   assert_close(e.residual, 0.0, 1e-14 * e.added);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 /* A plug as wide as the cup (10 x 10 particles) rises in it like a piston, at 0.3 m/s against gravity of 100 m/s2: the
@@ -219,7 +192,7 @@ static void melt_fed_from_below_rises_evenly(void **state)
               "mm^3/s], [3 ms, 4800 mm^3/s], [6 ms, 4800 mm^3/s], [12 ms, 0 mm^3/s]]\n      at_end: plug\n",
       .forces = "{ gravity: [0 m/s^2, 0 m/s^2, -100 m/s^2] }",
       .time = "{ end: 17 ms }"};
-  Run run = start("from_below", &input, false);
+  CastRun run = cast_run_start("from_below", &input, false);
   const Particles *p = sim_particles(run.sim);
   const double rho0 = run.config->melt.density, inlet = -2.4e-3;
   double weight = 0.0, measured = 0.0, most = 0.0;
@@ -243,7 +216,7 @@ static void melt_fed_from_below_rises_evenly(void **state)
   assert_true(most < 0.15 * rho0 * 9.0 * 0.3); // of what a particle put into its place would bring, rho c v
   assert_close(measured / weight, 1.0, 0.1);   // its top is not flat: it stands higher at the walls
   assert_ledger_closes(run.sim);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 /* A stream through the cup to an outlet in the pin; then the stream ends and its buffer goes. */
@@ -262,7 +235,7 @@ static void what_leaves_through_outlets_is_counted(void **state)
 {
   (void)state;
   CastError err = {0};
-  Run run = start("through", &through, true);
+  CastRun run = cast_run_start("through", &through, true);
   const Particles *p = sim_particles(run.sim);
   const double mass = p->mass[0], before = (double)p->n_fluid * mass;
   SimEnd end;
@@ -292,7 +265,7 @@ static void what_leaves_through_outlets_is_counted(void **state)
   // what was there, came and went is what is there: to the last particle. The buffer was there at the start and went
   const double buffer = 4.0 * layer;
   assert_close(1e3 * (double)p->n_fluid * mass, 1e3 * before - buffer + passed - left[0] - left[1], 1e-6);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 static void a_pouring_run_that_is_resumed_has_the_bits_of_an_unbroken_one(void **state)
@@ -305,29 +278,21 @@ static void a_pouring_run_that_is_resumed_has_the_bits_of_an_unbroken_one(void *
   all.forces = "{ gravity: [[0 s, 0 0 -300 m/s^2], [4 ms, 0 100 -300 m/s^2]], "
                "spin: { point: [30 mm, 0 mm, 0 mm], axis: [1, 2, 3], speed: [[0 s, 500 rpm], [3 ms, 900 rpm]] }, "
                "gas: { pressure: [[0 s, 0 kPa], [2 ms, 5 kPa]], from: { corner: -2 -2 -1 mm, size: 4 4 2 mm } } }";
-  Run whole = start("pour_whole", &all, true), broken = start("pour_broken", &all, true);
+  CastRun whole = cast_run_start("pour_whole", &all, true), broken = cast_run_start("pour_broken", &all, true);
   ok(sim_run(whole.sim, NULL, &end, &err), &err);
   while (sim_time(broken.sim) < 1.5e-3) ok(sim_step(broken.sim, &err), &err);
   volatile sig_atomic_t stop = 1;
   ok(sim_run(broken.sim, &stop, &end, &err), &err);
   assert_int_equal(end, SIM_INTERRUPTED);
-  finish(&broken);
+  cast_run_finish(&broken);
   omp_set_num_threads(1);
   ok(sim_resume(broken.folder, NULL, "test", &broken.config, &broken.sim, &err), &err);
   ok(sim_run(broken.sim, NULL, &end, &err), &err);
-  const Particles *p = sim_particles(whole.sim), *q = sim_particles(broken.sim);
-  assert_int_equal(p->n, q->n);
-  ParticleField field[PARTICLE_FIELDS], other[PARTICLE_FIELDS];
-  particles_fields(p, field);
-  particles_fields(q, other);
-  for (int f = 0; f < PARTICLE_FIELDS; f++)
-    if (memcmp(field[f].data, other[f].data, (size_t)p->n_fluid * sizeof(double)) != 0)
-      fail_msg("%s differs", field[f].name);
-  assert_memory_equal(p->id, q->id, (size_t)p->n_fluid * sizeof *p->id);
+  cast_run_assert_same_melt(whole.sim, broken.sim);
   const EnergyLedger e = sim_ledger(whole.sim), g = sim_ledger(broken.sim);
   assert_memory_equal(&e, &g, sizeof e);
-  finish(&whole);
-  finish(&broken);
+  cast_run_finish(&whole);
+  cast_run_finish(&broken);
 }
 
 int main(void)

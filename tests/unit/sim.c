@@ -20,48 +20,13 @@
 #include "cast/sim.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
-#include "tests/support/cast_case.h"
+#include "tests/support/cast_run.h"
 
 /* fontconfig keeps what it found. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void)
 {
   return "leak:libfontconfig";
-}
-
-typedef struct Run {
-  CastConfig *config;
-  Sim *sim;
-  char folder[128];
-} Run;
-
-static Run start(const char *name, const CastCaseInput *input, bool with_output)
-{
-  CastError err = {0};
-  Run run = {0};
-  char path[128];
-  ok(cast_case_input(&casting, name, input, path, &err), &err);
-  snprintf(run.folder, sizeof run.folder, "%.60s/%.60s", casting.folder, name);
-  ok(cast_config_read(path, NULL, &run.config, &err), &err);
-  ok(sim_create(run.config, NULL, &run.sim, &err), &err);
-  if (!with_output) return run;
-  mkdir(run.folder, 0777);
-  ok(sim_open_output(run.sim, "test", &err), &err);
-  return run;
-}
-
-static void finish(Run *run)
-{
-  sim_destroy(&run->sim);
-  cast_config_destroy(&run->config);
-}
-
-static SimEnd run_all(const Run *run)
-{
-  CastError err = {0};
-  SimEnd end;
-  ok(sim_run(run->sim, NULL, &end, &err), &err);
-  return end;
 }
 
 static void assert_ledger_closes(const Sim *sim)
@@ -73,7 +38,7 @@ static void assert_ledger_closes(const Sim *sim)
 }
 
 /* Depth of the deepest particle in the mould, in spacings; 0 if all are outside. */
-static double deepest(const Run *run)
+static double deepest(const CastRun *run)
 {
   CastError err = {0};
   RomData *rom = NULL;
@@ -97,15 +62,15 @@ static double deepest(const Run *run)
 
 static void check_run(const char *name, const CastCaseInput *input)
 {
-  Run run = start(name, input, false);
+  CastRun run = cast_run_start(name, input, false);
   const ptrdiff_t n = sim_particles(run.sim)->n_fluid;
-  assert_int_equal(run_all(&run), SIM_FINISHED);
+  assert_int_equal(cast_run_all(&run), SIM_FINISHED);
   assert_int_equal(sim_particles(run.sim)->n_fluid, n);
   const double end = run.config->cool.wanted ? run.config->cool.end : run.config->end;
   assert_close(sim_time(run.sim), end, 1e-12 * end);
   assert_ledger_closes(run.sim);
   assert_true(deepest(&run) < 0.15); // a tenth of a spacing is what the guard lets pass
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 static void melt_that_falls_into_a_box_with_a_pin_neither_leaks_nor_loses_heat(void **state)
@@ -141,12 +106,12 @@ static void a_pool_starts_at_rest(void **state)
   (void)state;
   const CastCaseInput pool = {.melt = "  material: cual10\n  temperature: 1150 degC\n  cavity_below: -1.6 mm\n",
                               .time = "{ end: 2 ms }"};
-  Run run = start("pool", &pool, false);
-  assert_int_equal(run_all(&run), SIM_FINISHED);
+  CastRun run = cast_run_start("pool", &pool, false);
+  assert_int_equal(cast_run_all(&run), SIM_FINISHED);
   const Particles *p = sim_particles(run.sim);
   const double free_fall = 0.5 * p->mass[0] * (double)p->n_fluid * pow(100.0 * 2e-3, 2.0);
   assert_true(sph_kinetic_energy(p) < 0.02 * free_fall);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 static void melt_that_leaves_is_counted_and_its_heat_stays_in_the_books(void **state)
@@ -159,13 +124,13 @@ static void melt_that_leaves_is_counted_and_its_heat_stays_in_the_books(void **s
                                 .sph = "{ spacing: 0.4 mm, sound_speed: 60 m/s }",
                                 .time = "{ end: 8 ms }",
                                 .output = "  curves_every: 1 ms\n"};
-  Run run = start("thrown", &thrown, true);
-  assert_int_equal(run_all(&run), SIM_EMPTY);
+  CastRun run = cast_run_start("thrown", &thrown, true);
+  assert_int_equal(cast_run_all(&run), SIM_EMPTY);
   assert_int_equal(sim_particles(run.sim)->n_fluid, 0);
   const EnergyLedger e = sim_ledger(run.sim);
   assert_true(e.removed > 0.99 * e.melt_start && e.melt_now == 0.0);
   assert_close(e.residual, 0.0, 1e-12 * e.melt_start);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 static void a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when(void **state)
@@ -173,7 +138,7 @@ static void a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when(v
   (void)state;
   CastError err = {0};
   SimEnd end;
-  Run run = start("too_long", &(CastCaseInput){.time = "{ end: 20 ms, step: 200 us }"}, true);
+  CastRun run = cast_run_start("too_long", &(CastCaseInput){.time = "{ end: 20 ms, step: 200 us }"}, true);
   assert_int_equal(sim_run(run.sim, NULL, &end, &err), CAST_ERR_NUMERIC);
   const char *const parts[] = {"step ", "t = ", "dt = 200 us", "particle ", " m"};
   for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
@@ -185,7 +150,7 @@ static void a_step_that_is_too_long_ends_in_an_error_that_tells_where_and_when(v
   ok(run_record_read_summary(path, &text, &err), &err);
   assert_non_null(strstr(text, "step ")); // the summary tells how it ended
   free(text);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 /* ---- the second stage ---- */
@@ -212,8 +177,8 @@ static void a_casting_fills_then_cools_until_it_is_solid(void **state)
   (void)state;
   const CastCaseInput input = {.time =
                                    "{ end: 3 ms, cool: { end: 60 s, until: solid, every: 0.5 s, tolerance: 2 K } }"};
-  Run run = start("stages", &input, true);
-  assert_int_equal(run_all(&run), SIM_FINISHED);
+  CastRun run = cast_run_start("stages", &input, true);
+  assert_int_equal(cast_run_all(&run), SIM_FINISHED);
   const Particles *p = sim_particles(run.sim);
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
     assert_true(p->T[i] <= run.config->melt.liquidus);
@@ -240,7 +205,7 @@ static void a_casting_fills_then_cools_until_it_is_solid(void **state)
   assert_close(csv_value(&table, table.n_rows - 1, csv_column(&table, "time_s")), sim_time(run.sim),
                1e-6 * sim_time(run.sim)); // curves go on through both stages
   csv_table_free(&table);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 /* A pool that was dropped a little: its motion dies out long before the filling's time is up. */
@@ -252,13 +217,13 @@ static void cooling_begins_when_the_melt_is_at_rest(void **state)
               "liquidus: 1310 K, conductivity: 30 W/m/K, viscosity: 2 Pa.s }\n  temperature: 1150 degC\n"
               "  blocks: [{ corner: [-2 mm, -2 mm, -3.9 mm], size: [4 mm, 4 mm, 2 mm] }]\n",
       .time = "{ end: 300 ms, cool: { end: 1 s, every: 1 s } }"};
-  Run run = start("rest", &input, false);
-  assert_int_equal(run_all(&run), SIM_FINISHED);
+  CastRun run = cast_run_start("rest", &input, false);
+  assert_int_equal(cast_run_all(&run), SIM_FINISHED);
   double switched = 0.0;
   assert_string_equal(sim_switched(run.sim, &switched), "rest");
   assert_true(switched > 10e-3 && switched < 290e-3);
   assert_ledger_closes(run.sim);
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 /* Radiation at 800 degC is a multiple of the ROM's 80 W/m2K; what it takes is in the books as lost. */
@@ -269,11 +234,11 @@ static void a_mould_that_radiates_cools_faster_and_the_books_close(void **state)
   for (int k = 0; k < 2; k++) {
     const CastCaseInput input = {.time = "{ end: 1 ms, cool: { end: 20 s, begin: at-end, tolerance: 2 K } }",
                                  .output = k ? "walls: { outside: { emissivity: 0.85 } }\n" : NULL};
-    Run run = start(k ? "radiating" : "plain", &input, false);
-    assert_int_equal(run_all(&run), SIM_FINISHED);
+    CastRun run = cast_run_start(k ? "radiating" : "plain", &input, false);
+    assert_int_equal(cast_run_all(&run), SIM_FINISHED);
     assert_ledger_closes(run.sim);
     held[k] = sim_ledger(run.sim).mould_now;
-    finish(&run);
+    cast_run_finish(&run);
   }
   assert_true(held[1] < held[0] - 0.05 * fabs(held[0]));
 }
@@ -287,7 +252,7 @@ static void embedded_coupling_cools_through_the_surface(void **state)
 
 /* ---- files ---- */
 
-static void check_curves(const Run *run)
+static void check_curves(const CastRun *run)
 {
   CastError err = {0};
   char path[160];
@@ -321,8 +286,8 @@ static void a_run_leaves_frames_curves_pictures_and_a_summary_that_agree_with_it
                                          "position: [1.5 mm, 1.5 mm, -4.1 mm] }]\n"
                                          "  tracers: [{ name: low, nearest: [1.2 mm, 1.2 mm, -4 mm] }, { name: high, "
                                          "nearest: [0 mm, 0 mm, -1 mm] }]\n"};
-  Run run = start("files", &input, true);
-  assert_int_equal(run_all(&run), SIM_FINISHED);
+  CastRun run = cast_run_start("files", &input, true);
+  assert_int_equal(cast_run_all(&run), SIM_FINISHED);
   check_curves(&run);
   json_t *root = read_json(run.folder);
   const EnergyLedger e = sim_ledger(run.sim);
@@ -342,23 +307,23 @@ static void a_run_leaves_frames_curves_pictures_and_a_summary_that_agree_with_it
     snprintf(path, sizeof path, "%s/%s", run.folder, names[k]);
     if (stat(path, &info) != 0 || info.st_size < 500) fail_msg("%s is missing or nearly empty", path);
   }
-  finish(&run);
+  cast_run_finish(&run);
 }
 
 /* Writing must not change what is computed. */
 static void a_run_that_writes_has_the_bits_of_one_that_does_not(void **state)
 {
   (void)state;
-  Run silent = start("silent", NULL, false), writing = start("writing", NULL, true);
+  CastRun silent = cast_run_start("silent", NULL, false), writing = cast_run_start("writing", NULL, true);
   sim_request_checkpoint(writing.sim);
-  run_all(&silent);
-  run_all(&writing);
+  cast_run_all(&silent);
+  cast_run_all(&writing);
   const Particles *p = sim_particles(silent.sim), *q = sim_particles(writing.sim);
   assert_int_equal(p->n_fluid, q->n_fluid);
   assert_memory_equal(p->E, q->E, (size_t)p->n_fluid * sizeof(double));
   assert_memory_equal(p->x[2], q->x[2], (size_t)p->n_fluid * sizeof(double));
-  finish(&silent);
-  finish(&writing);
+  cast_run_finish(&silent);
+  cast_run_finish(&writing);
 }
 
 /* A block of 8 x 8 x 6 spacings is 384 particles wherever the lattice lies. */
@@ -373,9 +338,9 @@ static void a_block_holds_its_volume_s_worth_of_particles(void **state)
         melt, sizeof melt,
         "  material: cual10\n  temperature: 1150 degC\n  blocks: [{ corner: %s, size: [3.2 mm, 3.2 mm, 2.4 mm] }]\n",
         corners[k]);
-    Run run = start("block", &(CastCaseInput){.melt = melt}, false);
+    CastRun run = cast_run_start("block", &(CastCaseInput){.melt = melt}, false);
     assert_int_equal(sim_particles(run.sim)->n_fluid, 384);
-    finish(&run);
+    cast_run_finish(&run);
   }
 }
 
