@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "cast/kernel/dispatch.h"
+#include "cast/mould/dense.h"
 
 static const double WIDE_NUMBERS = 1e6; // 8 MB: a core's share of the last cache
 
@@ -42,22 +43,6 @@ void rom_rows_free(RomRows *rows)
   free(rows->missing);
   free(rows->share);
   *rows = (RomRows){0};
-}
-
-/* ---- one row in double ---- */
-
-SIMD_CLONES static double dot(const double *a, const double *b, size_t m)
-{
-  double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-  for (size_t l = 0; l < m; l++) sum += a[l] * b[l];
-  return sum;
-}
-
-SIMD_CLONES static void add(double scale, const double *a, double *sum, size_t m)
-{
-#pragma omp simd
-  for (size_t l = 0; l < m; l++) sum[l] += scale * a[l];
 }
 
 /* ---- rows in single precision ---- */
@@ -117,7 +102,7 @@ SIMD_CLONES static void add_four_twice(const double *s, const float *a, double *
 
 double rom_rows_missing(const RomRows *rows, const double *q)
 {
-  return rows->narrow ? dot(rows->missing, q, rows->m) : 0.0;
+  return rows->narrow ? dense_dot(rows->missing, q, rows->m) : 0.0;
 }
 
 void rom_rows_dot(const RomRows *rows, size_t k, size_t n, const double *q, double *product)
@@ -128,7 +113,7 @@ void rom_rows_dot(const RomRows *rows, size_t k, size_t n, const double *q, doub
     return;
   }
   for (size_t i = 0; i < n; i++)
-    product[i] = rows->narrow ? dot_narrow(rows->narrow + (k + i) * m, q, m) : dot(rows->wide + (k + i) * m, q, m);
+    product[i] = rows->narrow ? dot_narrow(rows->narrow + (k + i) * m, q, m) : dense_dot(rows->wide + (k + i) * m, q, m);
 }
 
 static void add_one(const RomRows *rows, size_t k, double scale, double *sum)
@@ -136,7 +121,7 @@ static void add_one(const RomRows *rows, size_t k, double scale, double *sum)
   if (rows->narrow)
     add_narrow(scale, rows->narrow + k * rows->m, sum, rows->m);
   else
-    add(scale, rows->wide + k * rows->m, sum, rows->m);
+    dense_add(scale, rows->wide + k * rows->m, sum, rows->m);
 }
 
 void rom_rows_add(const RomRows *rows, size_t k, size_t n, const double *scale, double *sum, const double *further,

@@ -20,7 +20,9 @@
 #include <string.h>
 
 #include "cast/kernel/dispatch.h"
+#include "cast/mould/dense.h"
 #include "cast/mould/rom_rows.h"
+#include "cast/mould/rom_state_private.h"
 
 enum { CHUNK_ROWS = 32 };
 static const double PARALLEL_SIZE = 65536.0; // r m from which threads pay: below it a step takes a few tens of us
@@ -167,7 +169,7 @@ static double lag_fraction(double x)
   return sum;
 }
 
-static double gain(RomScheme scheme, double lambda, double dt)
+double rom_state_gain(RomScheme scheme, double lambda, double dt)
 {
   const double x = lambda * dt;
   if (scheme == ROM_BACKWARD_EULER) return dt / (1.0 + x);
@@ -179,24 +181,10 @@ static void set_step(RomState *s, double dt)
   if (dt == s->dt) return;
   for (size_t k = 0; k < s->rom->r; k++) {
     const double lambda = s->rom->lambda[k];
-    s->phi[k] = gain(s->scheme, lambda, dt);
+    s->phi[k] = rom_state_gain(s->scheme, lambda, dt);
     s->lag[k] = s->scheme == ROM_EXPONENTIAL ? dt * lag_fraction(lambda * dt) : lambda * dt * s->phi[k];
   }
   s->dt = dt;
-}
-
-SIMD_CLONES static double dot(const double *a, const double *b, size_t n)
-{
-  double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-  for (size_t l = 0; l < n; l++) sum += a[l] * b[l];
-  return sum;
-}
-
-SIMD_CLONES static void add_scaled(double scale, const double *a, double *sum, size_t n)
-{
-#pragma omp simd
-  for (size_t l = 0; l < n; l++) sum[l] += scale * a[l];
 }
 
 /* z_k += phi (u - lambda z); returns the mode's loss in the step, J. */
@@ -248,7 +236,7 @@ static void look_ahead(RomState *s, const double *q)
   for (size_t i = 0; i < n; i++) s->T_free[i] = s->preheat;
   for (size_t k = 0; k < rom->r; k++) {
     const double *row = rom->B + k * rom->m, z = s->z[k] + s->z_low[k];
-    const double all = dot(row, q, rom->m) + rom->ambient[k] * (s->ambient - s->preheat);
+    const double all = dense_dot(row, q, rom->m) + rom->ambient[k] * (s->ambient - s->preheat);
     const double after = z + s->phi[k] * (all - rom->lambda[k] * z);
     for (size_t i = 0; i < n; i++) s->T_free[i] += row[outer_walls_patch(s->walls, i)] * after;
   }
@@ -280,7 +268,7 @@ void rom_state_step(RomState *s, const double *q, double dt)
   for (size_t chunk = 0; chunk < s->n_chunks; chunk++) step_chunk(s, chunk, q);
   for (size_t l = 0; l < m; l++) s->temperature[l] = s->preheat;
   for (size_t chunk = 0; chunk < s->n_chunks; chunk++) {
-    add_scaled(1.0, s->partial + chunk * m, s->temperature, m);
+    dense_add(1.0, s->partial + chunk * m, s->temperature, m);
     compensated_add(&s->lost, s->chunk_loss[chunk]);
   }
   s->time += dt;
@@ -294,7 +282,7 @@ void rom_state_step_ahead(RomState *s, const double *q, double dt, double *ahead
   rom_state_step(s, q, dt);
   for (size_t l = 0; l < m; l++) ahead[l] = s->look_further ? s->preheat : s->temperature[l]; // no memory: as it is
   for (size_t chunk = 0; chunk < s->n_chunks && s->look_further; chunk++)
-    add_scaled(1.0, s->further + chunk * m, ahead, m);
+    dense_add(1.0, s->further + chunk * m, ahead, m);
   s->look_further = false;
 }
 
@@ -330,6 +318,11 @@ const RomData *rom_state_model(const RomState *s)
   return s->rom;
 }
 
+RomScheme rom_state_scheme(const RomState *s)
+{
+  return s->scheme;
+}
+
 double rom_state_preheat(const RomState *s)
 {
   return s->preheat;
@@ -363,96 +356,6 @@ void rom_state_point_temperature(const RomState *s, double *temperature)
   const size_t r = s->rom->r, n = s->rom->n_points;
 #pragma omp parallel for schedule(static)
   for (size_t p = 0; p < n; p++) temperature[p] = s->preheat + point_rise(s->rom->basis + p * r, s->z, r);
-}
-
-/* ---- stability of the exchange ---- */
-
-/* image = S B^T phi B S v, S = diag(root); returns v . image */
-static double apply_step_matrix(const RomState *s, const double *root, double dt, const double *v, double *scaled,
-                                double *image)
-{
-  const size_t m = s->rom->m;
-  for (size_t l = 0; l < m; l++) {
-    scaled[l] = root[l] * v[l];
-    image[l] = 0.0;
-  }
-  for (size_t k = 0; k < s->rom->r; k++) {
-    const double *row = s->rom->B + k * m;
-    add_scaled(gain(s->scheme, s->rom->lambda[k], dt) * dot(row, scaled, m), row, image, m);
-  }
-  double product = 0.0;
-  for (size_t l = 0; l < m; l++) {
-    image[l] *= root[l];
-    product += v[l] * image[l];
-  }
-  return product;
-}
-
-/* Power iteration; the matrix is symmetric, positive semi-definite and, being the response of temperatures to heat,
- * nearly non-negative: a positive vector is a good start. */
-static double largest_eigenvalue(const RomState *s, const double *root, double dt, double *room)
-{
-  const size_t m = s->rom->m;
-  double *v = room, *scaled = room + m, *image = room + 2 * m, value = 0.0;
-  double norm = sqrt(dot(root, root, m));
-  for (size_t l = 0; l < m; l++) v[l] = norm > 0.0 ? root[l] / norm : 0.0;
-  for (int step = 0; step < 300 && norm > 0.0; step++) {
-    const double last = value;
-    value = apply_step_matrix(s, root, dt, v, scaled, image);
-    norm = sqrt(dot(image, image, m));
-    for (size_t l = 0; l < m && norm > 0.0; l++) v[l] = image[l] / norm;
-    if (fabs(value - last) <= 1e-7 * value) break;
-  }
-  return value;
-}
-
-double rom_state_stiffness_of(const RomState *s, const double *conductance, double dt)
-{
-  const size_t m = s->rom->m;
-  double *room = calloc(4 * m, sizeof *room);
-  if (!room) return INFINITY; // unknown is unstable
-  double *root = room + 3 * m;
-  for (size_t l = 0; l < m; l++) root[l] = sqrt(conductance[l]);
-  const double value = largest_eigenvalue(s, root, dt, room);
-  free(room);
-  return value;
-}
-
-double rom_state_stiffness(const RomState *s, double h_eff, double dt)
-{
-  if (!isfinite(h_eff)) return INFINITY;
-  const size_t m = s->rom->m;
-  double *area = malloc(m * sizeof *area);
-  if (!area) return INFINITY;
-  for (size_t l = 0; l < m; l++) area[l] = s->rom->patch[l].outer ? 0.0 : s->rom->patch[l].area;
-  const double value = h_eff * rom_state_stiffness_of(s, area, dt);
-  free(area);
-  return value;
-}
-
-/* Columns of sqrt(phi) B, one patch after the other, so that each entry of G is one dot product. */
-static double *scaled_columns(const RomState *s, double dt, size_t n, const int32_t *patch)
-{
-  const size_t r = s->rom->r, m = s->rom->m;
-  double *column = malloc((n * r + 1) * sizeof *column);
-  for (size_t k = 0; k < r && column; k++) {
-    const double root = sqrt(gain(s->scheme, s->rom->lambda[k], dt));
-    for (size_t a = 0; a < n; a++) column[a * r + k] = root * s->rom->B[k * m + (size_t)patch[a]];
-  }
-  return column;
-}
-
-CastStatus rom_state_step_matrix(const RomState *s, double dt, size_t n, const int32_t *patch, double *G,
-                                 CastError *err)
-{
-  const size_t r = s->rom->r;
-  double *column = scaled_columns(s, dt, n, patch);
-  CAST_CHECK(column, err, CAST_ERR_MEMORY, "mould: no memory for the step matrix of %zu patches", n);
-#pragma omp parallel for schedule(dynamic, 4)
-  for (size_t a = 0; a < n; a++)
-    for (size_t b = 0; b <= a; b++) G[a * n + b] = G[b * n + a] = dot(column + a * r, column + b * r, r);
-  free(column);
-  return CAST_OK;
 }
 
 /* ---- checkpoints ---- */
