@@ -6,9 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void read_vector(YamlNode node, const char *unit, double value[3])
+void config_read_vector(YamlNode node, const char *unit, double value[3])
 {
   if (yaml_exists(node) && !yaml_vector(node, unit, value)) value[0] = value[1] = value[2] = 0.0;
+}
+
+void config_read_box(YamlNode node, double corner[3], double size[3])
+{
+  config_read_vector(yaml_require(node, "corner"), "m", corner);
+  const YamlNode size_node = yaml_require(node, "size");
+  if (!yaml_exists(size_node) || !yaml_vector(size_node, "m", size)) return;
+  for (int d = 0; d < 3; d++)
+    if (!(size[d] > 0.0)) {
+      yaml_problem(size_node, "each of the three lengths must be above 0 m, %g m was found", size[d]);
+      return;
+    }
 }
 
 /* ---- melt ---- */
@@ -16,15 +28,8 @@ static void read_vector(YamlNode node, const char *unit, double value[3])
 static void read_block(YamlNode node, const CastConfig *config, BlockConfig *block)
 {
   block->temperature = yaml_quantity(yaml_get(node, "temperature"), "K", YAML_POSITIVE, config->melt_temperature);
-  read_vector(yaml_require(node, "corner"), "m", block->corner);
-  const YamlNode size = yaml_require(node, "size");
-  if (yaml_exists(size) && yaml_vector(size, "m", block->size))
-    for (int d = 0; d < 3; d++)
-      if (!(block->size[d] > 0.0)) {
-        yaml_problem(size, "each of the three lengths must be above 0 m, %g m was found", block->size[d]);
-        break;
-      }
-  read_vector(yaml_get(node, "velocity"), "m/s", block->velocity);
+  config_read_box(node, block->corner, block->size);
+  config_read_vector(yaml_get(node, "velocity"), "m/s", block->velocity);
 }
 
 static CastStatus read_blocks(YamlNode node, CastConfig *config, CastError *err)
@@ -178,7 +183,7 @@ static CastStatus read_points(YamlNode node, const char *where, size_t *n, Point
     for (size_t k = 0; k < i; k++)
       if (name[0] && strcmp(made[k].name, made[i].name) == 0)
         yaml_problem(name_node, "the name '%s' is used twice", name);
-    read_vector(yaml_require(item, where), "m", made[i].x);
+    config_read_vector(yaml_require(item, where), "m", made[i].x);
   }
   return CAST_OK;
 }

@@ -6,11 +6,6 @@
 
 #include "cast/config_private.h"
 
-static void read_corner(YamlNode node, double corner[3])
-{
-  if (yaml_exists(node) && !yaml_vector(node, "m", corner)) corner[0] = corner[1] = corner[2] = 0.0;
-}
-
 static void read_feature(YamlNode node, FeatureBox *box)
 {
   const YamlNode name_node = yaml_require(node, "name"), low = yaml_require(node, "low"),
@@ -22,8 +17,8 @@ static void read_feature(YamlNode node, FeatureBox *box)
   if (strcmp(name, "part") == 0 || strcmp(name, "whole cavity") == 0)
     yaml_problem(name_node, "'%s' has a meaning of its own; take another name", name);
   snprintf(box->name, sizeof box->name, "%s", name);
-  read_corner(low, box->low);
-  read_corner(high, box->high);
+  config_read_vector(low, "m", box->low);
+  config_read_vector(high, "m", box->high);
   for (int d = 0; d < 3 && yaml_exists(low) && yaml_exists(high); d++) {
     if (box->low[d] < box->high[d]) continue;
     yaml_problem(high, "along %c it is %g m, which is not above low's %g m", "xyz"[d], box -> high[d], box -> low[d]);

@@ -76,8 +76,7 @@ static void read_tilt(YamlNode node, Drive *drive)
 static void read_spin(YamlNode node, Drive *drive)
 {
   if (!yaml_exists(node)) return;
-  const YamlNode point = yaml_require(node, "point");
-  if (yaml_exists(point) && !yaml_vector(point, "m", drive->spin_point)) memset(drive->spin_point, 0, 24);
+  config_read_vector(yaml_require(node, "point"), "m", drive->spin_point);
   config_read_direction(yaml_require(node, "axis"), drive->spin_axis);
   config_read_timed(yaml_require(node, "speed"), "rad/s", YAML_ANY, &drive->speed);
 }
@@ -87,15 +86,7 @@ static void read_gas(YamlNode node, GasConfig *gas)
   if (!yaml_exists(node)) return;
   config_read_timed(yaml_require(node, "pressure"), "Pa", YAML_NON_NEGATIVE, &gas->pressure);
   const YamlNode from = yaml_require(node, "from");
-  if (!yaml_exists(from)) return;
-  const YamlNode corner = yaml_require(from, "corner"), size = yaml_require(from, "size");
-  if (yaml_exists(corner) && !yaml_vector(corner, "m", gas->corner)) memset(gas->corner, 0, sizeof gas->corner);
-  if (!yaml_exists(size) || !yaml_vector(size, "m", gas->size)) return;
-  for (int d = 0; d < 3; d++)
-    if (!(gas->size[d] > 0.0)) {
-      yaml_problem(size, "each of the three lengths must be above 0 m, %g m was found", gas->size[d]);
-      return;
-    }
+  if (yaml_exists(from)) config_read_box(from, gas->corner, gas->size);
 }
 
 CastStatus config_read_forces(YamlNode node, CastConfig *config, CastError *err)

@@ -17,16 +17,11 @@ static const char *const RATES[] = {"velocity", "flow", "mass_flow"};
 static const char *const RATE_UNITS[] = {"m/s", "m^3/s", "kg/s"};
 static const char *const ENDS[] = {"taken-away", "plug", NULL};
 
-static void read_place(YamlNode node, const char *unit, double value[3])
-{
-  if (yaml_exists(node) && !yaml_vector(node, unit, value)) value[0] = value[1] = value[2] = 0.0;
-}
-
 /* ---- inlets ---- */
 
 static void read_rectangle(YamlNode node, InletConfig *inlet)
 {
-  read_place(yaml_require(node, "centre"), "m", inlet->centre);
+  config_read_vector(yaml_require(node, "centre"), "m", inlet->centre);
   const YamlNode along = yaml_require(node, "along");
   inlet->width = yaml_quantity(yaml_require(node, "width"), "m", YAML_POSITIVE, 1.0);
   inlet->height = yaml_quantity(yaml_require(node, "height"), "m", YAML_POSITIVE, 1.0);
@@ -70,7 +65,7 @@ static CastStatus read_inlet(YamlNode node, const CastConfig *config, InletConfi
   config_read_direction(yaml_require(node, "direction"), inlet->direction);
   inlet->disc = yaml_exists(disc);
   if (inlet->disc) {
-    read_place(yaml_require(disc, "centre"), "m", inlet->centre);
+    config_read_vector(yaml_require(disc, "centre"), "m", inlet->centre);
     inlet->radius = yaml_quantity(yaml_require(disc, "radius"), "m", YAML_POSITIVE, 1.0);
   }
   if (yaml_exists(rectangle)) read_rectangle(rectangle, inlet);
@@ -95,18 +90,9 @@ static void read_outlet(YamlNode node, OutletConfig *outlet)
   outlet->kind = yaml_exists(box) ? OUTLET_BOX : yaml_exists(plane) ? OUTLET_PLANE : OUTLET_SURFACE;
   if (yaml_is_map(node) && yaml_exists(box) + yaml_exists(plane) + yaml_exists(surface) != 1)
     yaml_problem(node, "exactly one of box, plane and surface is expected");
-  if (yaml_exists(box)) {
-    const YamlNode size = yaml_require(box, "size");
-    read_place(yaml_require(box, "corner"), "m", outlet->corner);
-    read_place(size, "m", outlet->size);
-    for (int d = 0; d < 3 && yaml_exists(size); d++)
-      if (!(outlet->size[d] > 0.0)) {
-        yaml_problem(size, "each of the three lengths must be above 0 m, %g m was found", outlet->size[d]);
-        break;
-      }
-  }
+  if (yaml_exists(box)) config_read_box(box, outlet->corner, outlet->size);
   if (yaml_exists(plane)) {
-    read_place(yaml_require(plane, "point"), "m", outlet->point);
+    config_read_vector(yaml_require(plane, "point"), "m", outlet->point);
     config_read_direction(yaml_require(plane, "normal"), outlet->normal);
   }
   const char *name = yaml_string(surface, "");

@@ -18,7 +18,10 @@ void config_put_forces(FILE *out, const CastConfig *config);
 /* A quantity, or pairs of time and quantity; false (with a problem, but for a node that is not there) if neither. */
 bool config_read_timed(YamlNode node, const char *unit, YamlRange range, Table *table);
 void config_put_timed(FILE *out, const Table *table, const char *unit);
-bool config_read_direction(YamlNode node, double unit[3]); // a vector without unit, made to have length 1
+/* A vector with its unit; zeros (and a problem) where it is none, nothing where there is no node. */
+void config_read_vector(YamlNode node, const char *unit, double value[3]);
+void config_read_box(YamlNode node, double corner[3], double size[3]); // m, of its keys corner and size
+bool config_read_direction(YamlNode node, double unit[3]);             // a vector without unit, made to have length 1
 CastStatus config_read_pour(YamlNode melt, CastConfig *config, CastError *err); // after the material and temperature
 void config_destroy_pour(CastConfig *config);
 void config_put_pour(FILE *out, const CastConfig *config);

@@ -19,13 +19,20 @@ CastStatus sim_rebuild(Sim *sim, CastError *err)
   return sim->gas ? gas_rebuild(sim->gas, &sim->particles, err) : CAST_OK;
 }
 
+/* Everything that the places at `time` (s) decide, but the exchange with the mould. */
+static CastStatus set_rates(Sim *sim, double time, CastError *err)
+{
+  sph_rates(&sim->sph, &sim->particles, sim->neighbours);
+  if (sim->tension) CAST_CALL(tension_push(sim->tension, &sim->particles, sim->neighbours, err));
+  if (sim->gas) sim_gas_push(sim, time);
+  return CAST_OK;
+}
+
 static CastStatus first_rates(Sim *sim, CastError *err)
 {
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
   CAST_CALL(sim_rebuild(sim, err));
-  sph_rates(&sim->sph, &sim->particles, sim->neighbours);
-  if (sim->tension) CAST_CALL(tension_push(sim->tension, &sim->particles, sim->neighbours, err));
-  if (sim->gas) sim_gas_push(sim, 0.0);
+  CAST_CALL(set_rates(sim, 0.0, err));
   sim_pour_carry(sim);
   return CAST_OK;
 }
@@ -180,10 +187,9 @@ static CastStatus first_half(Sim *sim, CastError *err)
 static CastStatus second_half(Sim *sim, CastError *err)
 {
   double clock = log_wall_time();
-  sim_set_forces(sim, sim->counts.time + sim->counts.dt);
-  sph_rates(&sim->sph, &sim->particles, sim->neighbours);
-  if (sim->tension) CAST_CALL(tension_push(sim->tension, &sim->particles, sim->neighbours, err));
-  if (sim->gas) sim_gas_push(sim, sim->counts.time + sim->counts.dt);
+  const double end = sim->counts.time + sim->counts.dt;
+  sim_set_forces(sim, end);
+  CAST_CALL(set_rates(sim, end, err));
   lap(sim, PHASE_RATES, &clock);
   CAST_CALL(coupling_advance(sim->coupling, sim->mould, &sim->particles, sim->neighbours, sim->counts.dt, err));
   CAST_CALL(sim_output_record(sim, err));

@@ -3,6 +3,7 @@
 #define COMMON_VECTOR_H
 
 #include <math.h>
+#include <stdbool.h>
 
 static inline double vec_dot(const double a[3], const double b[3])
 {
@@ -61,6 +62,14 @@ static inline double vec_distance2(const double a[3], const double b[3])
 static inline double vec_distance(const double a[3], const double b[3])
 {
   return sqrt(vec_distance2(a, b));
+}
+
+/* Does the box hold the place? Its borders count. */
+static inline bool vec_in_box(const double corner[3], const double size[3], const double x[3])
+{
+  bool inside = true;
+  for (int k = 0; k < 3; k++) inside = inside && x[k] >= corner[k] && x[k] <= corner[k] + size[k];
+  return inside;
 }
 
 #endif

@@ -4,6 +4,7 @@
 #ifndef CAST_PARTICLES_PARTICLES_H
 #define CAST_PARTICLES_PARTICLES_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -39,7 +40,7 @@ typedef struct Particles {
   double *foot[3], *normal[3], *depth; // see walls.h
   double *wall_v[3];                   // m/s, the wall's own velocity (zero; tests move walls)
   int32_t *patch;
-  uint8_t *echo; // see walls.h
+  uint8_t *echo;       // see walls.h
   RecordField *record; // [n * RECORD_SIZE] what pair sums need of a particle; scratch of physics/, stale elsewhere
 } Particles;
 
@@ -63,5 +64,17 @@ CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacin
  * then. */
 CastStatus particles_add(Particles *particles, ptrdiff_t more, CastError *err);
 void particles_destroy(Particles *particles);
+
+/* d = x_i - x_j, m, of the nearest image where an axis repeats (period > 0); returns |d|^2. */
+static inline double particles_offset(const Particles *p, ptrdiff_t i, ptrdiff_t j, const double period[3], double d[3])
+{
+  double r2 = 0.0;
+  for (int a = 0; a < 3; a++) {
+    d[a] = p->x[a][i] - p->x[a][j];
+    if (period[a] > 0.0) d[a] -= period[a] * floor(d[a] / period[a] + 0.5);
+    r2 += d[a] * d[a];
+  }
+  return r2;
+}
 
 #endif

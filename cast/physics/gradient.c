@@ -16,12 +16,8 @@ static void add_pairs(const SphParameters *sph, const Particles *p, const Neighb
   const double h = sph->h, slope = shape_norm(sph->kernel) / (h * h * h * h * h);
   for (ptrdiff_t l = list->start[i]; l < list->start[i + 1]; l++) {
     const ptrdiff_t j = list->index[l];
-    double d[3], r2 = 0.0;
-    for (int a = 0; a < 3; a++) {
-      d[a] = p->x[a][i] - p->x[a][j];
-      if (period[a] > 0.0) d[a] -= period[a] * floor(d[a] / period[a] + 0.5);
-      r2 += d[a] * d[a];
-    }
+    double d[3];
+    const double r2 = particles_offset(p, i, j, period, d);
     const double w = p->volume[j] * slope * shape_slope(sph->kernel, sqrt(r2) / h);
     for (int a = 0; a < 3; a++) {
       for (int c = 0; c < 3; c++) sums->M[a][c] += w * d[a] * d[c];

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "cast/kernel/interface.h"
+#include "common/vector.h"
 
 enum { ROWS_PER_TASK = 128 };
 static const double surface_low = 0.3; // of the gradient at a flat surface: curvature is measured above
@@ -111,18 +112,7 @@ typedef struct Pass {
 /* d = x_i - x_j of the nearest image; returns r in h, or a number beyond the support. */
 static double offset(const Pass *s, ptrdiff_t i, ptrdiff_t j, double d[3])
 {
-  double r2 = 0.0;
-  for (int a = 0; a < 3; a++) {
-    d[a] = s->p->x[a][i] - s->p->x[a][j];
-    if (s->period[a] > 0.0) d[a] -= s->period[a] * floor(d[a] / s->period[a] + 0.5);
-    r2 += d[a] * d[a];
-  }
-  return sqrt(r2) / s->t->h;
-}
-
-static double along(const double a[3], const double b[3])
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  return sqrt(particles_offset(s->p, i, j, s->period, d)) / s->t->h;
 }
 
 /* Sum of V_j W_ij to *fill, of V_j grad W_ij to `gradient`. */
@@ -142,7 +132,7 @@ static void add_fill(const Pass *s, ptrdiff_t i, const PairList *list, double *f
 /* Unit, away from the wall; false where there is none. */
 static bool wall_normal(const Near *n, double flat, double away[3])
 {
-  const double size = sqrt(along(n->wall, n->wall));
+  const double size = sqrt(vec_dot(n->wall, n->wall));
   for (int a = 0; a < 3; a++) away[a] = size > 0.0 ? -n->wall[a] / size : 0.0;
   return size > 1e-3 * flat;
 }
@@ -153,13 +143,13 @@ static void lean_back(const Tension *t, Near *n)
 {
   double away[3];
   if (!wall_normal(n, t->flat, away)) return;
-  const double across = along(n->normal, away), close = 0.5 * fmin(1.0, n->walls / near_wall);
+  const double across = vec_dot(n->normal, away), close = 0.5 * fmin(1.0, n->walls / near_wall);
   double tangent[3];
   for (int a = 0; a < 3; a++) tangent[a] = n->normal[a] - across * away[a];
-  const double size = sqrt(along(tangent, tangent));
+  const double size = sqrt(vec_dot(tangent, tangent));
   if (size < 0.1) return; // a surface along the wall has no contact line
   for (int a = 0; a < 3; a++) n->normal[a] = (1.0 - close) * n->normal[a] + close * tangent[a] / size;
-  const double length = sqrt(along(n->normal, n->normal));
+  const double length = sqrt(vec_dot(n->normal, n->normal));
   for (int a = 0; a < 3; a++) n->normal[a] /= length;
 }
 
@@ -173,7 +163,7 @@ static void find_normal(const Pass *s, ptrdiff_t i)
   add_fill(s, i, s->wall, &n->walls, n->wall);
   const double open = fmax(1.0 - n->walls, least_open), part = fmin(1.0, fill / open);
   for (int a = 0; a < 3; a++) gradient[a] = (gradient[a] + part * n->wall[a]) / open; // of fill/(1 - walls)
-  n->gradient = sqrt(along(gradient, gradient));
+  n->gradient = sqrt(vec_dot(gradient, gradient));
   n->share = interface_share(n->gradient / t->flat, surface_low);
   for (int a = 0; a < 3; a++) n->normal[a] = n->gradient > 0.0 ? gradient[a] / n->gradient : 0.0;
   lean_back(t, n);
@@ -189,8 +179,8 @@ static void add_mirror(const Pass *s, ptrdiff_t i, InterfaceSums *sums)
   for (ptrdiff_t k = s->wall->start[i]; k < s->wall->start[i + 1]; k++) {
     const int32_t j = s->wall->index[k];
     double d[3];
-    const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d)), depth = along(d, away);
-    turn += F * 2.0 * along(n->normal, away) * depth;
+    const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d)), depth = vec_dot(d, away);
+    turn += F * 2.0 * vec_dot(n->normal, away) * depth;
     square += F * depth * depth;
   }
   for (int a = 0, q = 0; a < 3; a++) {
@@ -245,13 +235,13 @@ static void push(const Pass *s, ptrdiff_t i)
   const double sigma = table_evaluate(t->sigma, s->p->T[i]), curvature = spread_curvature(s, i);
   double away[3], force[3]; // N/m3
   const bool at_wall = wall_normal(n, t->flat, away);
-  const double line = -4.0 * sigma * t->cos_theta * sqrt(along(n->wall, n->wall)) * n->gradient * t->line *
+  const double line = -4.0 * sigma * t->cos_theta * sqrt(vec_dot(n->wall, n->wall)) * n->gradient * t->line *
                       interface_share(n->gradient / t->flat, line_low);
-  const double across = along(n->normal, away);
+  const double across = vec_dot(n->normal, away);
   for (int a = 0; a < 3; a++)
     force[a] = 2.0 * sigma * curvature * n->gradient * n->normal[a] + line * (n->normal[a] - across * away[a]);
   // what pushes a particle at the wall into it or off it is the wall's to bear
-  const double borne = at_wall ? fmin(1.0, n->walls / near_wall) * along(force, away) : 0.0;
+  const double borne = at_wall ? fmin(1.0, n->walls / near_wall) * vec_dot(force, away) : 0.0;
   for (int a = 0; a < 3; a++) s->p->a[a][i] += (force[a] - borne * away[a]) * s->p->volume[i] / s->p->mass[i];
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cast/kernel/pair.h"
+#include "common/vector.h"
 
 static const double COVER = 1.1; // spacings round a particle that are melt
 static const double MOST_CELLS = 2e8;
@@ -35,14 +36,6 @@ static void middle(const Gas *g, ptrdiff_t c, double x[3])
   for (int d = 0; d < 3; d++) x[d] = g->low[d] + ((double)at[d] + 0.5) * g->cell;
 }
 
-static bool in_box(const GasConfig *config, const double x[3])
-{
-  bool inside = true;
-  for (int d = 0; d < 3; d++)
-    inside = inside && x[d] >= config->corner[d] && x[d] <= config->corner[d] + config->size[d];
-  return inside;
-}
-
 static ptrdiff_t classify(Gas *g, const GasConfig *config, const Surface *surface)
 {
   ptrdiff_t seeds = 0;
@@ -51,7 +44,7 @@ static ptrdiff_t classify(Gas *g, const GasConfig *config, const Surface *surfac
     double x[3];
     middle(g, c, x);
     if (surface && surface_inside_mould(surface, x)) continue;
-    const bool seed = in_box(config, x);
+    const bool seed = vec_in_box(config->corner, config->size, x);
     g->state[c] = (uint8_t)(CELL_VOID | (seed ? CELL_SEED : 0));
     seeds += seed;
   }
@@ -219,12 +212,8 @@ static void add_gradient(const SphParameters *sph, const Particles *p, const Pai
   const double scale = shape_norm(sph->kernel) / pow(sph->h, 5.0);
   for (ptrdiff_t k = list->start[i]; k < list->start[i + 1]; k++) {
     const ptrdiff_t j = list->index[k];
-    double way[3], r2 = 0.0;
-    for (int d = 0; d < 3; d++) {
-      way[d] = p->x[d][i] - p->x[d][j];
-      if (period[d] > 0.0) way[d] -= period[d] * floor(way[d] / period[d] + 0.5);
-      r2 += way[d] * way[d];
-    }
+    double way[3];
+    const double r2 = particles_offset(p, i, j, period, way);
     const double F = scale * shape_slope(sph->kernel, sqrt(r2) / sph->h);
     for (int d = 0; d < 3; d++) sum[d] -= p->volume[j] * F * way[d];
   }

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/vector.h"
+
 bool outlet_takes(const OutletConfig *o, const Surface *surface, const uint8_t *is_patch, double touch,
                   const double x[3])
 {
@@ -10,13 +12,10 @@ bool outlet_takes(const OutletConfig *o, const Surface *surface, const uint8_t *
     SurfaceHit hit;
     return surface_nearest(surface, x, touch, &hit) && is_patch[hit.patch];
   }
+  if (o->kind == OUTLET_BOX) return vec_in_box(o->corner, o->size, x);
   double beyond = 0.0;
-  bool inside = true;
-  for (int d = 0; d < 3; d++) {
-    beyond += (x[d] - o->point[d]) * o->normal[d];
-    inside = inside && x[d] >= o->corner[d] && x[d] <= o->corner[d] + o->size[d];
-  }
-  return o->kind == OUTLET_BOX ? inside : beyond > 0.0;
+  for (int d = 0; d < 3; d++) beyond += (x[d] - o->point[d]) * o->normal[d];
+  return beyond > 0.0;
 }
 
 CastStatus outlet_find_patches(const OutletConfig *outlet, const RomData *rom, uint8_t **is_patch, CastError *err)

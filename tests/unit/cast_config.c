@@ -253,22 +253,24 @@ static void the_resolved_input_reads_again_to_the_same_bits(void **state)
   }
 }
 
-/* LEAST with another contact. */
-static CastConfig *read_with_contact(const char *contact)
+/* LEAST with one piece replaced. */
+static CastConfig *read_with(const char *old, const char *piece)
 {
   char text[2048];
-  const char *old = "{ h: 2000 W/m^2/K }", *at = strstr(LEAST, old);
-  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST, contact, at + strlen(old));
+  const char *at = strstr(LEAST, old);
+  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST, piece, at + strlen(old));
   return read_text(text, "cast.yaml");
 }
+
+static const char LEAST_CONTACT[] = "{ h: 2000 W/m^2/K }";
 
 static void contact_tables_and_surfaces_arrive_and_are_written_again(void **state)
 {
   (void)state;
   CastConfig *config =
-      read_with_contact("{ h: { solid_fraction: [[0.3, 2000 W/m^2/K], [0.9, 200 W/m^2/K]] }, surfaces: "
-                        "{ pins: { h: { temperature: [[700 degC, 0.5 kW/m^2/K]] } }, cup: { perfect: "
-                        "true } } }");
+      read_with(LEAST_CONTACT, "{ h: { solid_fraction: [[0.3, 2000 W/m^2/K], [0.9, 200 W/m^2/K]] }, surfaces: "
+                               "{ pins: { h: { temperature: [[700 degC, 0.5 kW/m^2/K]] } }, cup: { perfect: "
+                               "true } } }");
   for (int turn = 0; turn < 2; turn++) {
     const ContactLaws *c = config->coupling.contact;
     assert_int_equal(c->elsewhere.basis, CONTACT_OF_SOLID_FRACTION);
@@ -292,8 +294,8 @@ static void contact_tables_and_surfaces_arrive_and_are_written_again(void **stat
 static void outer_walls_arrive_and_are_written_again(void **state)
 {
   (void)state;
-  CastConfig *config = read_with_contact("{ perfect: true }\nwalls: { side: { h: 20 W/m^2/K, ambient: 25 degC, "
-                                         "emissivity: 0.85 }, rim: { emissivity: 0.3 } }");
+  CastConfig *config = read_with(LEAST_CONTACT, "{ perfect: true }\nwalls: { side: { h: 20 W/m^2/K, ambient: 25 degC, "
+                                                "emissivity: 0.85 }, rim: { emissivity: 0.3 } }");
   for (int turn = 0; turn < 2; turn++) {
     assert_int_equal(config->n_walls, 2);
     assert_string_equal(config->wall[0].surface, "side");
@@ -311,15 +313,6 @@ static void outer_walls_arrive_and_are_written_again(void **state)
   cast_config_destroy(&config);
 }
 
-/* LEAST with other forces. */
-static CastConfig *read_with_forces(const char *forces)
-{
-  char text[2048];
-  const char *old = "{ gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2] }", *at = strstr(LEAST, old);
-  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST, forces, at + strlen(old));
-  return read_text(text, "cast.yaml");
-}
-
 static void forces_that_change_with_time_arrive_and_are_written_again(void **state)
 {
   (void)state;
@@ -334,7 +327,7 @@ static void forces_that_change_with_time_arrive_and_are_written_again(void **sta
       "2 "
       "4 1 mm } } }"};
   for (int k = 0; k < 5; k++) {
-    CastConfig *first = read_with_forces(forces[k]);
+    CastConfig *first = read_with("{ gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2] }", forces[k]);
     char *resolved = NULL;
     CastError err = {0};
     assert_int_equal(cast_config_resolved(first, 0.0, &resolved, &err), CAST_OK);
