@@ -28,22 +28,51 @@ PetscBool reduction_is_stored(const Reduction *reduction)
   return (PetscBool)(shifts_plan_destroy(&plan) == 0 && bytes > MOST_MEMORY);
 }
 
-/* What a folder must have been made with to be of use. */
+/* Norm, and the diagonal weighted by the place in the numbering: another numbering gives another sum. */
+static PetscErrorCode fingerprint(Mat A, PetscReal *norm, PetscReal *ordered)
+{
+  Vec diagonal;
+  const PetscScalar *value;
+  PetscInt first, last;
+
+  PetscFunctionBeginUser;
+  PetscCall(MatNorm(A, NORM_FROBENIUS, norm));
+  PetscCall(MatCreateVecs(A, NULL, &diagonal));
+  PetscCall(MatGetDiagonal(A, diagonal));
+  PetscCall(VecGetOwnershipRange(diagonal, &first, &last));
+  PetscCall(VecGetArrayRead(diagonal, &value));
+  *ordered = 0.0;
+  for (PetscInt i = first; i < last; i++) *ordered += (2.0 + cos((double)i)) * PetscAbsScalar(value[i - first]);
+  PetscCall(VecRestoreArrayRead(diagonal, &value));
+  PetscCall(VecDestroy(&diagonal));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, ordered, 1, MPIU_REAL, MPIU_SUM, PetscObjectComm((PetscObject)A)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a folder must have been made with to be of use: the problem, its numbering, and the rows of each rank. */
 static PetscErrorCode problem_signature(const Reduction *reduction, char text[512])
 {
   const ReductionConfig *config = reduction->config;
-  PetscReal of_E, of_K, of_ports;
-  PetscMPIInt ranks;
+  const ThermalSystem *system = reduction->system;
+  const MPI_Comm comm = PetscObjectComm((PetscObject)system->E);
+  PetscReal of_E, of_K, of_ports, order_E, order_K;
+  PetscMPIInt ranks, rank;
+  PetscInt first, layout;
 
   PetscFunctionBeginUser;
-  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)reduction->system->E), &ranks));
-  PetscCall(MatNorm(reduction->system->E, NORM_FROBENIUS, &of_E));
-  PetscCall(MatNorm(reduction->system->K, NORM_FROBENIUS, &of_K));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCall(MatGetOwnershipRange(system->E, &first, NULL));
+  layout = first * (rank + 1);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &layout, 1, MPIU_INT, MPI_SUM, comm));
+  PetscCall(fingerprint(system->E, &of_E, &order_E));
+  PetscCall(fingerprint(system->K, &of_K, &order_K));
   PetscCall(MatNorm(reduction->ports, NORM_FROBENIUS, &of_ports));
-  snprintf(text, 512,
-           "castreduce shifts 1: n %d p %d ranks %d E %.17g K %.17g ports %.17g times %.17g %.17g rtol %.17g",
-           (int)reduction->system->n, (int)reduction->p, (int)ranks, (double)of_E, (double)of_K, (double)of_ports,
-           config->t_start, config->t_end, (double)reduction->rtol);
+  snprintf(
+      text, 512,
+      "castreduce shifts 2: n %d p %d ranks %d rows %d times %.17g %.17g rtol %.17g | %.17g %.17g %.17g %.17g %.17g",
+      (int)system->n, (int)reduction->p, (int)ranks, (int)layout, config->t_start, config->t_end,
+      (double)reduction->rtol, (double)of_E, (double)order_E, (double)of_K, (double)order_K, (double)of_ports);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

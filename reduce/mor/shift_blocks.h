@@ -27,6 +27,7 @@ typedef struct ShiftBlocks {
 } ShiftBlocks;
 
 /* folder: made if missing; where it holds shifts with the same signature they are taken over, else they are removed.
+ *   signature  text, or text | numbers: numbers are compared to 1e-9, what is before them to the letter
  *   like  a matrix with the row layout. Errors: PETSC_ERR_FILE_OPEN, PETSC_ERR_FILE_WRITE. Collective, as all here. */
 PetscErrorCode shift_blocks_create(Mat like, PetscInt p, const char *folder, const char *signature,
                                    ShiftBlocks **blocks);

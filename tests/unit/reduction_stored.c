@@ -166,7 +166,7 @@ static void store_some(const ThermalSystem *system, const char *folder)
   ShiftBlocks *blocks;
   ShiftMoments shift = {.s = 0.25, .q = 2};
   Mat X;
-  TEST_PETSC(shift_blocks_create(system->E, system->m, folder, "ours", &blocks));
+  TEST_PETSC(shift_blocks_create(system->E, system->m, folder, "ours | 1.5 2.5", &blocks));
   TEST_PETSC(dense_block_create(system->E, system->m, &X));
   TEST_PETSC(PetscMalloc1(4 * p * p, &shift.mu));
   TEST_PETSC(PetscMalloc1(4 * p, &shift.heat));
@@ -194,7 +194,8 @@ static void shifts_that_were_complete_survive_an_interruption(void **state)
   choose_folder(folder);
   TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
   store_some(mould.system, folder);
-  TEST_PETSC(shift_blocks_create(mould.system->E, mould.system->m, folder, "ours", &blocks));
+  TEST_PETSC(shift_blocks_create(mould.system->E, mould.system->m, folder, "ours | 1.5000000000001 2.5",
+                                 &blocks)); // as ranks add up
   assert_int_equal(blocks->n_shifts, 1);
   assert_int_equal(blocks->n, 2);
   assert_true(blocks->shift[0].s == 0.25 && blocks->shift[0].q == 2);
@@ -205,10 +206,27 @@ static void shifts_that_were_complete_survive_an_interruption(void **state)
   TEST_PETSC(MatNorm(expected, NORM_FROBENIUS, &apart));
   assert_true(apart == 0.0);
   TEST_PETSC(shift_blocks_destroy(&blocks, PETSC_FALSE));
-  TEST_PETSC(shift_blocks_create(mould.system->E, mould.system->m, folder, "another", &blocks));
-  assert_int_equal(blocks->n_shifts, 0); // of another problem: of no use
   TEST_PETSC(shift_blocks_destroy(&blocks, PETSC_TRUE));
   TEST_PETSC(MatDestroy(&expected));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
+static void shifts_of_another_problem_are_not_taken(void **state)
+{
+  (void)state;
+  const char *const others[] = {"another | 1.5 2.5", "ours | 1.50001 2.5", "ours | 1.5", "ours | 1.5 2.5 3.5", "ours"};
+  const BoxMould box = small_box(15.0);
+  MouldCase mould;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
+  for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
+    ShiftBlocks *blocks;
+    char folder[64];
+    choose_folder(folder);
+    store_some(mould.system, folder);
+    TEST_PETSC(shift_blocks_create(mould.system->E, mould.system->m, folder, others[k], &blocks));
+    assert_int_equal(blocks->n_shifts, 0);
+    TEST_PETSC(shift_blocks_destroy(&blocks, PETSC_TRUE));
+  }
   TEST_PETSC(mould_case_destroy(&mould));
 }
 
@@ -233,6 +251,7 @@ int main(int argc, char **argv)
       cmocka_unit_test(vectors_in_blocks_give_the_same_model_of_an_insulated_mould),
       cmocka_unit_test(a_folder_of_vectors_goes_with_the_model),
       cmocka_unit_test(shifts_that_were_complete_survive_an_interruption),
+      cmocka_unit_test(shifts_of_another_problem_are_not_taken),
       cmocka_unit_test(a_folder_that_cannot_be_made_is_named),
   };
   if (SlepcInitialize(&argc, &argv, NULL, NULL)) return 1;

@@ -1,6 +1,7 @@
 /* F1 in thin features: a pin and a slot four particles wide are filled by the whole program and come to rest. Looked
  * at while it fills and when it is full: what is lost or set back to the wall, disorder as distances to the nearest
- * neighbour (a lattice: 1 +- 0 spacings), scatter of the pressure of the feature's particles about rho g (H - z). */
+ * neighbour (a lattice: 1 +- 0 spacings), scatter of the pressure of the feature's particles about rho g (H - z).
+ *   validation_f1_thin_features -rest 10     ten seconds of rest as well, without loss of heat: some ten minutes */
 #include <math.h>
 #include <omp.h>
 #include <setjmp.h>
@@ -8,6 +9,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -39,6 +41,8 @@ typedef struct Filling {
   long outside, steps;
   double cpu;
 } Filling;
+
+static double rest; // s; 0: none
 
 #define MOULD                                                                                                          \
   .cell = 0.5e-3, .patch_size = 2e-3, .kappa = 1.0, .rho = 1800.0, .c = 1100.0, .h_outside = 80.0, .band = 1.5e-3
@@ -124,7 +128,8 @@ static void advance(Sim *sim, double to)
   while (sim_time(sim) < to) ok(sim_step(sim, &err), &err);
 }
 
-static Filling fill(const Feature *f)
+/* From the pour to `end` s; disorder at `early` s, sinking from `settled` s on. */
+static Filling fill(const Feature *f, const CastCaseInput *input, double early, double settled, double end)
 {
   CastError err = {0};
   CastCase made;
@@ -133,15 +138,15 @@ static Filling fill(const Feature *f)
   char path[128];
   const double start = validation_cpu_time();
   ok(cast_case_create_box(&made, &f->box, &err), &err);
-  ok(cast_case_input(&made, f->name, &f->input, path, &err), &err);
+  ok(cast_case_input(&made, f->name, input, path, &err), &err);
   ok(cast_config_read(path, NULL, &config, &err), &err);
   ok(sim_create(config, NULL, &sim, &err), &err);
   Filling filling = {0};
-  advance(sim, 0.02);
+  advance(sim, early);
   filling.early = measure(sim_particles(sim), f);
-  advance(sim, 0.09);
+  advance(sim, settled);
   const double before = mean_height(sim_particles(sim));
-  advance(sim, 0.1 - 1e-9);
+  advance(sim, end - 1e-9);
   filling.full = measure(sim_particles(sim), f);
   filling.sinking = (before - mean_height(sim_particles(sim))) / (f->top - f->bottom);
   filling.set_back = sim->counts.guarded;
@@ -173,17 +178,53 @@ static void write_rows(const Feature *f, const Filling *r)
                validation_text("%.2f %%", 100.0 * r->sinking), "no drift"}};
   for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
     validation_write(
-        &(ValidationRow){"F1", rows[k].quantity, "at rest", "", rows[k].error, rows[k].target, where, r->cpu});
+        &(ValidationRow){"F1 thin", rows[k].quantity, "at rest", "", rows[k].error, rows[k].target, where, r->cpu});
+}
+
+static void write_rest(const Feature *f, const Filling *r)
+{
+  const char *where =
+      validation_text("%s 4 particles wide, %ld in it, %ld steps", f->name, r->full.particles, r->steps);
+  const struct {
+    const char *quantity, *error, *target;
+  } rows[] = {{"melt lost, in the mould's solid, set back to the wall",
+               validation_text("%.0f, %ld, %.0f", r->removed, r->outside, r->set_back), "0"},
+              {"distance to the nearest particle",
+               validation_text("%.2f +- %.2f dx, least %.2f", r->full.nearest, r->full.spread, r->full.least), "-"},
+              {"standard deviation of p - rho g (H - z), over rho g H",
+               validation_text("%.1f %%", 100.0 * r->full.pressure), "-"},
+              {"root mean square speed over sqrt(g H)", validation_text("%.1e", r->full.speed), "-"},
+              {"sinking of the centre of mass from 1 s on, over the feature's height",
+               validation_text("%.2f %%", 100.0 * r->sinking), "no drift"}};
+  for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+    validation_write(&(ValidationRow){"F1 thin", validation_text("%.0f s of rest: %s", rest, rows[k].quantity),
+                                      "at rest", "", rows[k].error, rows[k].target, where, r->cpu});
+}
+
+static void they_stay_at_rest_without_drift(void **unused)
+{
+  (void)unused;
+  if (rest <= 1.0) skip();
+  const Feature *const features[2] = {&pin, &slot};
+  for (int k = 0; k < 2; k++) {
+    CastCaseInput input = features[k]->input;
+    input.contact = "{ h: 0.001 W/m^2/K }"; // stays liquid
+    input.time = validation_text("{ end: %g s }", rest);
+    const Filling r = fill(features[k], &input, 0.1, 1.0, rest);
+    write_rest(features[k], &r);
+    assert_true(r.removed == 0.0 && r.outside == 0 && r.set_back == 0.0);
+    assert_true(r.full.nearest > 0.85 && fabs(r.sinking) < 0.02 && r.full.speed < 0.01);
+  }
 }
 
 static void a_pin_and_a_slot_four_particles_wide_fill_in_order(void **unused)
 {
   (void)unused;
   omp_set_num_threads(1); // a few hundred particles are too few to share
-  validation_begin("F1");
+  validation_begin("F1 thin");
   const Feature *const features[2] = {&pin, &slot};
   for (int k = 0; k < 2; k++) {
-    const Filling r = fill(features[k]);
+    const Filling r = fill(features[k], &features[k]->input, 0.02, 0.09, 0.1);
     write_rows(features[k], &r);
     assert_true(r.removed == 0.0 && r.outside == 0);
     assert_true(r.set_back == 0.0); // 96 in the pin before walls held off what approaches them under tension
@@ -194,8 +235,10 @@ static void a_pin_and_a_slot_four_particles_wide_fill_in_order(void **unused)
   }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_pin_and_a_slot_four_particles_wide_fill_in_order)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_pin_and_a_slot_four_particles_wide_fill_in_order),
+                                     cmocka_unit_test(they_stay_at_rest_without_drift)};
+  if (argc > 2 && !strcmp(argv[1], "-rest")) rest = strtod(argv[2], NULL);
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
