@@ -135,7 +135,11 @@ static void cut_planes(const Pieces *pieces, const CutBox *box, double sign, Cut
 /* Keep of the piece what lies at sign x[axis] <= sign wall (Sutherland & Hodgman 1974). */
 static void clip_piece(Piece *piece, int axis, double sign, double wall)
 {
-  Piece out = {0};
+  bool inside = true;
+  for (int k = 0; k < piece->count; k++) inside = inside && sign * (piece->corner[k][axis] - wall) <= 0.0;
+  if (inside) return;
+  Piece out;
+  out.count = 0;
   for (int k = 0; k < piece->count && out.count < MAX_CORNERS - 1; k++) {
     const double *p = piece->corner[k], *q = piece->corner[(k + 1) % piece->count];
     const double at_p = sign * (p[axis] - wall), at_q = sign * (q[axis] - wall);
@@ -163,7 +167,8 @@ static bool boxes_meet(const Facet *facet, const CutBox *box)
 {
   for (int k = 0; k < 3; k++) {
     const double a = facet->corner[0][k], b = facet->corner[1][k], c = facet->corner[2][k];
-    if (fmin(fmin(a, b), c) > box->high[k] || fmax(fmax(a, b), c) < box->low[k]) return false;
+    if (a > box->high[k] && b > box->high[k] && c > box->high[k]) return false;
+    if (a < box->low[k] && b < box->low[k] && c < box->low[k]) return false;
   }
   return true;
 }
@@ -344,7 +349,9 @@ static int gather_triangles(const Surface *s, const CutBox *box, const SurfaceHi
 static bool cut_level(const Surface *surface, const CutBox *box, const SurfaceHit *sheet, int level, CutPart *part)
 {
   int32_t id[MAX_TRIANGLES];
-  CutWork work = {.surface = surface, .sheet = sheet};
+  CutWork work; // its pieces are filled as far as they are read
+  work.surface = surface;
+  work.sheet = sheet;
   const int n = gather_triangles(surface, box, sheet, id);
   if (n <= MAX_TRIANGLES || level == MAX_LEVEL)
     return cut_recursive(&work, id, n < MAX_TRIANGLES ? n : MAX_TRIANGLES, box, level, part);

@@ -77,13 +77,18 @@ static inline ptrdiff_t grid_index(const SearchGrid *grid, const int32_t at[3])
   return ((ptrdiff_t)at[2] * grid->n[1] + at[1]) * grid->n[0] + at[0];
 }
 
+/* floor, kept inside int32 (NaN: the lowest); floor, fmin and fmax of the library are calls. */
+static inline int32_t grid_floor(double place)
+{
+  const double above = place > -1.0e9 ? place : -1.0e9, kept = above < 1.0e9 ? above : 1.0e9;
+  const int32_t toward_zero = (int32_t)kept;
+  return toward_zero - (kept < toward_zero);
+}
+
 /* The cell that holds x, kept inside int32 but not inside the grid. */
 static inline void grid_locate(const SearchGrid *grid, const double x[3], int32_t at[3])
 {
-  for (int k = 0; k < 3; k++) {
-    const double place = floor((x[k] - grid->low[k]) * grid->per_cell);
-    at[k] = (int32_t)fmin(fmax(place, -1.0e9), 1.0e9);
-  }
+  for (int k = 0; k < 3; k++) at[k] = grid_floor((x[k] - grid->low[k]) * grid->per_cell);
 }
 
 static inline bool grid_holds(const SearchGrid *grid, const int32_t at[3])
@@ -110,8 +115,15 @@ typedef struct NearestQuery {
   double reach;     // m; INFINITY: whatever the distance
   int32_t guess;    // a triangle likely to be near, or -1; makes the search faster, never another answer
   bool cavity_only; // skip the outer faces
+  // NULL, or triangles that surface_candidates found for a ball that holds x: no others are looked at
+  const int32_t *candidate;
+  int n_candidates;
 } NearestQuery;
 bool surface_nearest_query(const Surface *surface, const double x[3], const NearestQuery *query, SurfaceHit *hit);
+/* All triangles that are the nearest one to some point at most `radius` m from `centre`, whose own nearest point is
+ * `distance` m away; returns how many, or -1: more than `most`. */
+int surface_candidates(const Surface *surface, const double centre[3], double radius, double distance,
+                       int32_t *candidate, int most);
 
 /* One passage of a straight line through the surface. */
 typedef struct Crossing {

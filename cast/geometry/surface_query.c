@@ -59,6 +59,7 @@ double facet_closest(const Facet *facet, const double x[3], double foot[3], Face
 
 static void try_facet(const Surface *s, const double x[3], int32_t t, Nearest *best)
 {
+  if (t == best->triangle) return; // it stands in several cells
   const Facet *facet = &s->facet[t];
   double to[3], foot[3];
   vec_sub(x, facet->centre, to);
@@ -93,15 +94,21 @@ static void search_cell(const Surface *s, const double x[3], const int32_t at[3]
     if (!query->cavity_only || !s->outer[grid->item[k]]) try_facet(s, x, grid->item[k], best);
 }
 
-/* The cells at `ring` king's moves from `home`, as far as they are in the grid. */
+/* The cells at `ring` king's moves from `home`, as far as they are in the grid and not farther along an axis than what
+ * was found. */
 static void search_ring(const Surface *s, const double x[3], const int32_t home[3], int32_t ring,
                         const NearestQuery *query, Nearest *best)
 {
   const SearchGrid *grid = &s->grid;
+  const double far = best->distance * (1.0 + 1.0e-9) + 1.0e-6 * grid->cell;
   int32_t first[3], last[3], at[3];
   for (int k = 0; k < 3; k++) {
+    const int32_t low = grid_floor((x[k] - far - grid->low[k]) * grid->per_cell),
+                  high = grid_floor((x[k] + far - grid->low[k]) * grid->per_cell);
     first[k] = home[k] - ring > 0 ? home[k] - ring : 0;
     last[k] = home[k] + ring < grid->n[k] - 1 ? home[k] + ring : grid->n[k] - 1;
+    first[k] = low > first[k] ? low : first[k];
+    last[k] = high < last[k] ? high : last[k];
   }
   for (at[2] = first[2]; at[2] <= last[2]; at[2]++)
     for (at[1] = first[1]; at[1] <= last[1]; at[1]++) {
@@ -109,7 +116,7 @@ static void search_ring(const Surface *s, const double x[3], const int32_t home[
           at[2] == home[2] - ring || at[2] == home[2] + ring || at[1] == home[1] - ring || at[1] == home[1] + ring;
       const int32_t stride = whole_row || ring == 0 ? 1 : 2 * ring;
       for (at[0] = whole_row ? first[0] : home[0] - ring; at[0] <= last[0]; at[0] += stride)
-        if (at[0] >= 0) search_cell(s, x, at, query, best);
+        if (at[0] >= first[0]) search_cell(s, x, at, query, best);
     }
 }
 
@@ -133,6 +140,50 @@ static void search(const Surface *s, const double x[3], const NearestQuery *quer
     if (least > 0.0 && least * least > best->distance2 * (1.0 + 1.0e-9)) break;
     search_ring(s, x, home, ring, query, best);
   }
+}
+
+static void try_candidates(const Surface *s, const double x[3], const NearestQuery *query, Nearest *best)
+{
+  for (int k = 0; k < query->n_candidates; k++)
+    if (!query->cavity_only || !s->outer[query->candidate[k]]) try_facet(s, x, query->candidate[k], best);
+}
+
+static bool is_listed(const int32_t *list, int n, int32_t t)
+{
+  for (int k = 0; k < n; k++)
+    if (list[k] == t) return true;
+  return false;
+}
+
+/* A triangle nearest to x, |x - c| <= r, is at most d(x) + r <= d(c) + 2 r from c. */
+int surface_candidates(const Surface *s, const double centre[3], double radius, double distance, int32_t *candidate,
+                       int most)
+{
+  const SearchGrid *grid = &s->grid;
+  const double far = (distance + 2.0 * radius) * (1.0 + 1.0e-9) + s->tiny;
+  double low[3], high[3];
+  int32_t first[3], last[3], at[3];
+  for (int k = 0; k < 3; k++) {
+    low[k] = centre[k] - far;
+    high[k] = centre[k] + far;
+  }
+  int n = 0;
+  if (!grid_range(grid, low, high, first, last)) return 0;
+  for (at[2] = first[2]; at[2] <= last[2]; at[2]++)
+    for (at[1] = first[1]; at[1] <= last[1]; at[1]++)
+      for (at[0] = first[0]; at[0] <= last[0]; at[0]++) {
+        const ptrdiff_t cell = grid_index(grid, at);
+        for (int32_t k = grid->start[cell]; k < grid->start[cell + 1]; k++) {
+          const int32_t t = grid->item[k];
+          if (is_listed(candidate, n, t)) continue; // it stands in several cells
+          Nearest near = {far * far, far, INT32_MAX};
+          try_facet(s, centre, t, &near);
+          if (near.triangle == INT32_MAX) continue;
+          if (n == most) return -1;
+          candidate[n++] = t;
+        }
+      }
+  return n;
 }
 
 static const double *feature_normal(const Surface *s, int32_t t, FacetFeature feature)
@@ -160,7 +211,10 @@ bool surface_nearest_query(const Surface *surface, const double x[3], const Near
   Nearest best = {query->reach * query->reach, query->reach, INT32_MAX};
   if (query->guess >= 0 && (!query->cavity_only || !surface->outer[query->guess]))
     try_facet(surface, x, query->guess, &best);
-  search(surface, x, query, &best);
+  if (query->candidate)
+    try_candidates(surface, x, query, &best);
+  else
+    search(surface, x, query, &best);
   if (best.triangle == INT32_MAX) return false;
   fill_hit(surface, x, best.triangle, hit);
   return true;

@@ -3,9 +3,10 @@
 #include "cast/geometry/walls.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include "cast/geometry/walls_cells.h"
 
-enum { BLOCK = 8 };
+enum { BLOCK = 8, LEAF = 2, LEAVES = BLOCK / LEAF, MOST_CANDIDATES = 48 };
 static const double SLIVER = 0.05; // of a cell
 
 typedef struct BlockGrid { // blocks of BLOCK^3 cells over the cavity wall and what lies within 2 reach of it
@@ -35,12 +36,78 @@ static bool block_is_near(const WallLattice *lattice, const int32_t corner[3])
   return surface_nearest_query(lattice->surface, centre, &query, &hit);
 }
 
+/* Is some part of the cube near a thin wall? */
+static bool cube_is_near_thin(const Surface *s, const double centre[3], double half)
+{
+  double low[3], high[3];
+  int32_t first[3], last[3], at[3];
+  for (int k = 0; k < 3; k++) {
+    low[k] = centre[k] - half * (1.0 + 1.0e-6);
+    high[k] = centre[k] + half * (1.0 + 1.0e-6);
+  }
+  if (!s->any_thin || !grid_range(&s->grid, low, high, first, last)) return false;
+  for (at[2] = first[2]; at[2] <= last[2]; at[2]++)
+    for (at[1] = first[1]; at[1] <= last[1]; at[1]++)
+      for (at[0] = first[0]; at[0] <= last[0]; at[0]++)
+        if (s->grid.flags[grid_index(&s->grid, at)] & CELL_NEAR_THIN) return true;
+  return false;
+}
+
+/* Which cells of a block may have particles, and what is near them: for each cube of LEAF^3 cells the candidates of a
+ * search for the nearest triangle. */
+typedef struct BlockPlan {
+  int32_t corner[3];
+  struct LeafPlan {
+    bool wanted;
+    NearestQuery near;
+    int32_t candidate[MOST_CANDIDATES];
+  } leaf[LEAVES][LEAVES][LEAVES];
+} BlockPlan;
+
+/* Cube by cube, each cut in eight, a block is left out where the surface is beyond reach of all its cells, and where
+ * all of them are void and no echo can stand in them. */
+static void plan_cube(const WallLattice *lattice, const int32_t at[3], int32_t edge, int32_t guess, BlockPlan *plan)
+{
+  double centre[3];
+  for (int k = 0; k < 3; k++)
+    centre[k] = lattice->origin[k] + (plan->corner[k] + at[k] + 0.5 * edge) * lattice->spacing;
+  const double half_diagonal = 0.5 * sqrt(3.0) * edge * lattice->spacing * (1.0 + 1.0e-9);
+  const NearestQuery query = {.reach = lattice->reach + half_diagonal, .guess = guess};
+  SurfaceHit hit;
+  if (!surface_nearest_query(lattice->surface, centre, &query, &hit)) return;
+  if (hit.distance > half_diagonal && !cube_is_near_thin(lattice->surface, centre, 0.5 * edge * lattice->spacing))
+    return;
+  if (edge == LEAF) {
+    struct LeafPlan *leaf = &plan->leaf[at[2] / LEAF][at[1] / LEAF][at[0] / LEAF];
+    const int n = surface_candidates(lattice->surface, centre, half_diagonal, fabs(hit.distance), leaf->candidate,
+                                     MOST_CANDIDATES);
+    leaf->wanted = true;
+    leaf->near = (NearestQuery){
+        .guess = hit.triangle, .candidate = n < 0 ? NULL : leaf->candidate, .n_candidates = n < 0 ? 0 : n};
+    return;
+  }
+  for (int child = 0; child < 8; child++) {
+    int32_t next[3];
+    for (int k = 0; k < 3; k++) next[k] = at[k] + (child >> k & 1) * edge / 2;
+    plan_cube(lattice, next, edge / 2, hit.triangle, plan);
+  }
+}
+
 static void fill_block(const WallLattice *lattice, const int32_t corner[3], WallBuffer *out)
 {
-  int32_t cell[3], guess = -1;
-  for (cell[2] = corner[2]; cell[2] < corner[2] + BLOCK; cell[2]++)
-    for (cell[1] = corner[1]; cell[1] < corner[1] + BLOCK; cell[1]++)
-      for (cell[0] = corner[0]; cell[0] < corner[0] + BLOCK; cell[0]++) wall_cell_fill(lattice, cell, &guess, out);
+  BlockPlan plan;
+  int32_t at[3];
+  memcpy(plan.corner, corner, sizeof plan.corner);
+  for (int k = 0; k < LEAVES * LEAVES * LEAVES; k++)
+    plan.leaf[k / LEAVES / LEAVES][k / LEAVES % LEAVES][k % LEAVES].wanted = false;
+  plan_cube(lattice, (const int32_t[3]){0, 0, 0}, BLOCK, -1, &plan);
+  for (at[2] = 0; at[2] < BLOCK; at[2]++)
+    for (at[1] = 0; at[1] < BLOCK; at[1]++)
+      for (at[0] = 0; at[0] < BLOCK; at[0]++) {
+        const int32_t cell[3] = {corner[0] + at[0], corner[1] + at[1], corner[2] + at[2]};
+        const struct LeafPlan *leaf = &plan.leaf[at[2] / LEAF][at[1] / LEAF][at[0] / LEAF];
+        if (leaf->wanted) wall_cell_fill(lattice, cell, &leaf->near, out);
+      }
 }
 
 static void fill_blocks(const WallLattice *lattice, const BlockGrid *blocks, WallBuffer *buffers)

@@ -49,15 +49,17 @@ static void add_particle(const WallLattice *lattice, const int32_t cell[3], cons
 /* A part whose centroid lies in the void (round a concave corner, on both sides of a slot) is halved until it does not:
  * no foot would be right for all of it. */
 static void add_part(const WallLattice *lattice, const int32_t cell[3], const CutBox *box, const CutPart *part,
-                     int level, int32_t guess, WallBuffer *out)
+                     int level, const NearestQuery *near, WallBuffer *out)
 {
   const double least = NOTHING * lattice->spacing * lattice->spacing * lattice->spacing;
   if (part->volume <= least) return;
   double x[3];
   for (int k = 0; k < 3; k++) x[k] = part->moment[k] / part->volume;
   SurfaceHit hit;
-  const NearestQuery query = {.reach = lattice->reach + lattice->spacing, .guess = guess};
+  NearestQuery query = *near;
+  query.reach = lattice->reach + lattice->spacing;
   if (!surface_nearest_query(lattice->surface, x, &query, &hit)) return;
+  query.guess = hit.triangle;
   if (hit.distance < 0.0 || level == MAX_SPLIT) {
     add_particle(lattice, cell, part, &hit, false, out);
     return;
@@ -67,7 +69,7 @@ static void add_part(const WallLattice *lattice, const int32_t cell[3], const Cu
     *(side ? &half.low[level] : &half.high[level]) = 0.5 * (box->low[level] + box->high[level]);
     CutPart share;
     cut_box(lattice->surface, &half, NULL, &share);
-    add_part(lattice, cell, &half, &share, level + 1, hit.triangle, out);
+    add_part(lattice, cell, &half, &share, level + 1, &query, out);
   }
 }
 
@@ -139,7 +141,7 @@ static bool is_clear_void(const Surface *s, const double centre[3], double half_
   return !surface_nearest(s, centre, half_diagonal, &hit);
 }
 
-void wall_cell_fill(const WallLattice *lattice, const int32_t cell[3], int32_t *guess, WallBuffer *out)
+void wall_cell_fill(const WallLattice *lattice, const int32_t cell[3], const NearestQuery *near, WallBuffer *out)
 {
   const double half_diagonal = 0.5 * sqrt(3.0) * lattice->spacing;
   CutBox box;
@@ -151,15 +153,18 @@ void wall_cell_fill(const WallLattice *lattice, const int32_t cell[3], int32_t *
   }
   if (is_clear_void(lattice->surface, centre, half_diagonal)) return;
   SurfaceHit hit;
-  const NearestQuery query = {.reach = lattice->reach + half_diagonal, .guess = *guess};
+  NearestQuery query = *near;
+  query.reach = lattice->reach + half_diagonal;
   if (!surface_nearest_query(lattice->surface, centre, &query, &hit)) return;
-  *guess = hit.triangle;
+  query.guess = hit.triangle;
   CutPart part = {0};
-  if (hit.distance <= -half_diagonal)
+  if (hit.distance <= -half_diagonal) {
     cut_whole(&box, &part);
-  else if (hit.distance < half_diagonal)
+    add_particle(lattice, cell, &part, &hit, false, out); // its centroid is the centre: the foot is found
+  } else if (hit.distance < half_diagonal) {
     cut_box(lattice->surface, &box, NULL, &part);
-  add_part(lattice, cell, &box, &part, 0, hit.triangle, out);
+    add_part(lattice, cell, &box, &part, 0, &query, out);
+  }
   if (!surface_thin_near(lattice->surface, centre)) return;
   if (part.volume > LEAST_ECHO * lattice->spacing * lattice->spacing * lattice->spacing)
     for (int k = 0; k < 3; k++) centre[k] = part.moment[k] / part.volume;

@@ -22,7 +22,7 @@ typedef struct WallLattice {
   double spacing, reach, origin[3]; // m
 } WallLattice;
 
-/* Append the particles of a cell. `guess` is a triangle likely to be near (or -1) and becomes one for the next cell. */
-void wall_cell_fill(const WallLattice *lattice, const int32_t cell[3], int32_t *guess, WallBuffer *out);
+/* Append the particles of a cell. `near`: the guess and candidates of a search from anywhere in the cell. */
+void wall_cell_fill(const WallLattice *lattice, const int32_t cell[3], const NearestQuery *near, WallBuffer *out);
 
 #endif
