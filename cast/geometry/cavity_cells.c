@@ -1,5 +1,6 @@
 /* cavity_cells.c - the cavity as lattice cells with volumes and names, and its thinnest gap. */
 #include "cast/geometry/cavity_mask.h"
+#include "cast/geometry/cavity_names.h"
 #include "cast/geometry/placement.h"
 
 #include <stdlib.h>
@@ -21,7 +22,7 @@ static CastStatus list_names(const RomData *rom, CavityCells *cells, int32_t *na
   return CAST_OK;
 }
 
-static CastStatus allocate_cells(CavityCells *cells, const CavityMask *mask, ptrdiff_t **list, CastError *err)
+static CastStatus allocate_cells(CavityCells *cells, const CavityMask *mask, int32_t **list, CastError *err)
 {
   ptrdiff_t n = 0;
   for (ptrdiff_t c = 0; c < cavity_mask_size(mask); c++) n += mask->is_cavity[c];
@@ -33,87 +34,38 @@ static CastStatus allocate_cells(CavityCells *cells, const CavityMask *mask, ptr
   CAST_CHECK(cells->x[0] && cells->x[1] && cells->x[2] && cells->volume && cells->surface && *list, err,
              CAST_ERR_MEMORY, "no memory for %td cells of the cavity", n);
   for (ptrdiff_t c = 0; c < cavity_mask_size(mask); c++)
-    if (mask->is_cavity[c]) (*list)[cells->n++] = c;
+    if (mask->is_cavity[c]) (*list)[cells->n++] = (int32_t)c;
   return CAST_OK;
 }
 
-/* The nearest triangle is searched for near the wall only; deeper in, cells learn it from their neighbours. */
-typedef struct NearestWall {
-  const CavityMask *mask;
-  int32_t *triangle; // [cells of the mask] -1: not known
-} NearestWall;
-
-/* From the cell at `at` to the triangle known to cell number `cell`. */
-static double wall_distance2(const NearestWall *wall, ptrdiff_t cell, const int32_t at[3])
+/* Volumes and centroids. Iteration i writes only what is cell i's. */
+static void fill_cells(const CavityMask *mask, const int32_t *list, CavityCells *cells)
 {
-  const CavityMask *mask = wall->mask;
-  double x[3], foot[3];
-  FacetFeature feature;
-  for (int k = 0; k < 3; k++) x[k] = mask->origin[k] + (mask->first[k] + at[k] + 0.5) * mask->spacing;
-  return facet_closest(&mask->surface->facet[wall->triangle[cell]], x, foot, &feature);
-}
-
-/* One sweep of a closest-point transform: each cell takes the nearest of its own triangle and those of the 13
- * neighbours already passed (P.-E. Danielsson, Comput. Graph. Image Process. 14 (1980) 227). Serial, so always the
- * same. */
-static void sweep_nearest(const NearestWall *wall, bool forward)
-{
-  const CavityMask *mask = wall->mask;
-  const ptrdiff_t cells = cavity_mask_size(mask);
-  for (ptrdiff_t order = 0; order < cells; order++) {
-    const ptrdiff_t cell = forward ? order : cells - 1 - order;
-    if (!mask->is_cavity[cell]) continue;
-    const int32_t at[3] = {(int32_t)(cell % mask->n[0]), (int32_t)(cell / mask->n[0] % mask->n[1]),
-                           (int32_t)(cell / mask->n[0] / mask->n[1])};
-    double best = wall->triangle[cell] < 0 ? (double)INFINITY : wall_distance2(wall, cell, at);
-    for (int k = 0; k < 13; k++) {
-      const int32_t sign = forward ? 1 : -1;
-      const int32_t to[3] = {at[0] + sign * (k % 3 - 1), at[1] + sign * (k / 3 % 3 - 1), at[2] + sign * (k / 9 - 1)};
-      bool within = true;
-      for (int axis = 0; axis < 3; axis++) within = within && to[axis] >= 0 && to[axis] < mask->n[axis];
-      const ptrdiff_t next = ((ptrdiff_t)to[2] * mask->n[1] + to[1]) * mask->n[0] + to[0];
-      if (!within || wall->triangle[next] < 0 || wall->triangle[next] == wall->triangle[cell]) continue;
-      const double distance2 = wall_distance2(wall, next, at);
-      if (distance2 >= best) continue;
-      best = distance2;
-      wall->triangle[cell] = wall->triangle[next];
+  enum { CHUNK = 1024 };
+#pragma omp parallel for schedule(dynamic, 1)
+  for (ptrdiff_t chunk = 0; chunk < (cells->n + CHUNK - 1) / CHUNK; chunk++) {
+    const ptrdiff_t first = chunk * CHUNK, end = first + CHUNK < cells->n ? first + CHUNK : cells->n;
+    ptrdiff_t near = cavity_mask_find(mask, list[first]);
+    for (ptrdiff_t i = first; i < end; i++) {
+      CutPart part;
+      while (near < mask->n_near && mask->near[near].cell < list[i]) near++;
+      if (near < mask->n_near && mask->near[near].cell == list[i])
+        part = mask->near[near].part;
+      else
+        cavity_mask_whole(mask, list[i], &part);
+      for (int k = 0; k < 3; k++) cells->x[k][i] = part.moment[k] / part.volume;
+      cells->volume[i] = part.volume;
     }
   }
 }
-/* Volumes, centroids, and the nearest triangle of cells at the wall. Iteration i writes only what is cell i's. */
-static void fill_cells(const NearestWall *wall, const ptrdiff_t *list, CavityCells *cells)
-{
-  const CavityMask *mask = wall->mask;
-  const NearestQuery query = {.reach = 2.0 * mask->spacing, .guess = -1, .cavity_only = true};
-#pragma omp parallel for schedule(dynamic, 1024)
-  for (ptrdiff_t i = 0; i < cells->n; i++) {
-    CutPart part;
-    SurfaceHit hit;
-    double x[3];
-    cavity_mask_void(mask, list[i], &part);
-    for (int k = 0; k < 3; k++) cells->x[k][i] = x[k] = part.moment[k] / part.volume;
-    cells->volume[i] = part.volume;
-    if (surface_nearest_query(mask->surface, x, &query, &hit)) wall->triangle[list[i]] = hit.triangle;
-  }
-}
 
-static CastStatus build_cells(const CavityMask *mask, const RomData *rom, int32_t *name_of_patch, ptrdiff_t **list,
+static CastStatus build_cells(const CavityMask *mask, const RomData *rom, int32_t *name_of_patch, int32_t **list,
                               CavityCells *cells, CastError *err)
 {
   CAST_CALL(list_names(rom, cells, name_of_patch, err));
   CAST_CALL(allocate_cells(cells, mask, list, err));
-  const ptrdiff_t total = cavity_mask_size(mask);
-  NearestWall wall = {mask, malloc((size_t)total * sizeof *wall.triangle)};
-  CAST_CHECK(wall.triangle, err, CAST_ERR_MEMORY, "no memory for a lattice of %td cells over the cavity", total);
-  for (ptrdiff_t c = 0; c < total; c++) wall.triangle[c] = -1;
-  fill_cells(&wall, *list, cells);
-  for (int sweep = 0; sweep < 2 && cells->n_surfaces > 1; sweep++) sweep_nearest(&wall, sweep == 0);
-  for (ptrdiff_t i = 0; i < cells->n; i++) {
-    const int32_t t = wall.triangle[(*list)[i]];
-    cells->surface[i] = t < 0 ? 0 : name_of_patch[mask->surface->patch[t]];
-  }
-  free(wall.triangle);
-  return CAST_OK;
+  fill_cells(mask, *list, cells);
+  return cavity_name_cells(mask, *list, name_of_patch, cells, err);
 }
 
 CastStatus cavity_cells_create(const Surface *surface, const RomData *rom, double spacing, const double origin[3],
@@ -123,7 +75,7 @@ CastStatus cavity_cells_create(const Surface *surface, const RomData *rom, doubl
   CavityMask mask;
   CAST_CALL(cavity_mask_create(surface, spacing, origin, &mask, err));
   int32_t *name_of_patch = malloc((rom->m ? rom->m : 1) * sizeof *name_of_patch);
-  ptrdiff_t *list = NULL;
+  int32_t *list = NULL;
   CastStatus status = CAST_ERR_MEMORY;
   if (name_of_patch)
     status = build_cells(&mask, rom, name_of_patch, &list, cells, err);
