@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 static const double SAME = 1.0e-9; // of a distance: rounding
-enum { TOP = 32, LEVELS = 6 }; // edges 32, 16, 8, 4, 2, and single cells
+enum { TOP = 32, LEVELS = 6 };     // edges 32, 16, 8, 4, 2, and single cells
 
 typedef struct Naming {
   const CavityMask *mask;
@@ -100,21 +100,25 @@ static double least_distance(const Naming *naming, int32_t t, const double x[3])
   return vec_distance(facet->centre, x) - facet->radius;
 }
 
-/* Those of n triangles that may be the nearest to a point within `radius` of x; returns how many. */
+/* Those of n triangles that may be the nearest to a point within `radius` of x, the nearest to x first: it rules out
+ * most others; returns how many. */
 static ptrdiff_t choose(const Naming *naming, const double x[3], double radius, const int32_t *from, ptrdiff_t n,
                         double *distance, int32_t *to)
 {
   double best = INFINITY;
+  ptrdiff_t nearest = 0, kept = 0;
   for (ptrdiff_t k = 0; k < n; k++) {
     distance[k] = (double)NAN;
     if (least_distance(naming, from[k], x) >= best) continue;
     distance[k] = facet_distance(naming, from[k], x);
-    best = distance[k] < best ? distance[k] : best;
+    if (distance[k] >= best) continue;
+    best = distance[k];
+    nearest = k;
   }
   const double far = (best + 2.0 * radius) * (1.0 + 1.0e-9);
-  ptrdiff_t kept = 0;
+  to[kept++] = from[nearest];
   for (ptrdiff_t k = 0; k < n; k++) {
-    if (isnan(distance[k]) && least_distance(naming, from[k], x) > far) continue;
+    if (k == nearest || (isnan(distance[k]) && least_distance(naming, from[k], x) > far)) continue;
     if ((isnan(distance[k]) ? facet_distance(naming, from[k], x) : distance[k]) <= far) to[kept++] = from[k];
   }
   return kept;
@@ -139,19 +143,25 @@ static void name_cell(const Naming *naming, ptrdiff_t i, const int32_t *triangle
   const CavityCells *cells = naming->cells;
   const double x[3] = {cells->x[0][i], cells->x[1][i], cells->x[2][i]};
   double best = INFINITY, highest = 0.0;
+  int32_t chosen = -1;
   for (ptrdiff_t k = 0; k < n; k++) {
     if (least_distance(naming, triangle[k], x) > best * (1.0 + SAME)) continue;
     const Facet *facet = &naming->mask->surface->facet[triangle[k]];
     const double distance = facet_distance(naming, triangle[k], x);
     double to[3];
     vec_sub(x, facet->corner[0], to);
-    const double height = fabs(vec_dot(to, facet->normal));
-    const bool same = isfinite(best) && fabs(distance - best) <= SAME * best;
-    if (same ? height <= highest + SAME * best : distance > best) continue;
+    const double height = fabs(vec_dot(to, facet->normal)), least = SAME * distance;
+    if (chosen >= 0 && fabs(distance - best) <= least) {
+      const bool as_high = fabs(height - highest) <= least;
+      if (as_high ? triangle[k] > chosen : height < highest) continue;
+    } else if (distance > best) {
+      continue;
+    }
     best = distance < best ? distance : best;
     highest = height;
-    cells->surface[i] = name_of(naming, triangle[k]);
+    chosen = triangle[k];
   }
+  cells->surface[i] = name_of(naming, chosen);
 }
 
 /* from: the parent's n triangles. */

@@ -92,24 +92,50 @@ static CastStatus fill_grid(Surface *s, CastError *err)
   return CAST_OK;
 }
 
-/* King's-move distance to the nearest occupied cell: a forward and a backward sweep over the 13 neighbours met before.
- * Exact for this metric (A. Rosenfeld, J. L. Pfaltz, J. ACM 13 (1966) 471). */
+/* to[x] = the lesser of to[x] and one more than the least of from[x - 1], from[x] and from[x + 1]. */
+static void step_from_row(const uint8_t *restrict from, int32_t n, uint8_t *restrict to)
+{
+  for (int32_t x = 0; x < n; x++) {
+    const uint8_t left = from[x > 0 ? x - 1 : 0], right = from[x + 1 < n ? x + 1 : x];
+    uint8_t least = from[x] < left ? from[x] : left;
+    least = least < right ? least : right;
+    least = (uint8_t)(least + (least < MAX_STEPS));
+    to[x] = least < to[x] ? least : to[x];
+  }
+}
+
+static void step_along_row(uint8_t *row, int32_t n, bool forward)
+{
+  for (int32_t k = 1; k < n; k++) {
+    uint8_t *here = forward ? row + k : row + (n - 1 - k);
+    const int next = (forward ? here[-1] : here[1]) + 1;
+    if (next < *here) *here = (uint8_t)next;
+  }
+}
+
+/* King's-move distance to the nearest occupied cell: a forward and a backward sweep over the 13 neighbours met before,
+ * nine of them in the plane before, in parallel. Exact for this metric (A. Rosenfeld, J. L. Pfaltz, J. ACM 13 (1966)
+ * 471). */
 static void sweep_steps(SearchGrid *grid, bool forward)
 {
-  const ptrdiff_t cells = grid_cells(grid);
-  for (ptrdiff_t order = 0; order < cells; order++) {
-    const ptrdiff_t cell = forward ? order : cells - 1 - order;
-    int best = grid->steps[cell];
-    if (best == 0) continue;
-    const int32_t at[3] = {(int32_t)(cell % grid->n[0]), (int32_t)(cell / grid->n[0] % grid->n[1]),
-                           (int32_t)(cell / grid->n[0] / grid->n[1])};
-    for (int k = 0; k < 13; k++) {
-      const int sign = forward ? 1 : -1;
-      const int32_t to[3] = {at[0] + sign * (k % 3 - 1), at[1] + sign * (k / 3 % 3 - 1), at[2] + sign * (k / 9 - 1)};
-      if (grid_holds(grid, to) && grid->steps[grid_index(grid, to)] + 1 < best)
-        best = grid->steps[grid_index(grid, to)] + 1;
+  const int32_t *n = grid->n, back = forward ? -1 : 1;
+#pragma omp parallel
+  for (int32_t plane = 0; plane < n[2]; plane++) {
+    const int32_t z = forward ? plane : n[2] - 1 - plane;
+    uint8_t *const here = grid->steps + (ptrdiff_t)z * n[0] * n[1];
+    if (plane > 0) {
+      const uint8_t *const before = here + back * (ptrdiff_t)n[0] * n[1];
+#pragma omp for schedule(static)
+      for (int32_t y = 0; y < n[1]; y++)
+        for (int32_t from = y > 0 ? y - 1 : 0; from <= y + 1 && from < n[1]; from++)
+          step_from_row(before + (ptrdiff_t)from * n[0], n[0], here + (ptrdiff_t)y * n[0]);
     }
-    grid->steps[cell] = (uint8_t)best;
+#pragma omp single
+    for (int32_t line = 0; line < n[1]; line++) {
+      uint8_t *const row = here + (ptrdiff_t)(forward ? line : n[1] - 1 - line) * n[0];
+      if (line > 0) step_from_row(row + back * n[0], n[0], row);
+      step_along_row(row, n[0], forward);
+    }
   }
 }
 
