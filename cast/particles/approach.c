@@ -27,13 +27,13 @@ static int32_t first_cell(const BlockGrid *grid, int axis, int32_t at)
   return (int32_t)((int64_t)at * grid->cells->count[axis] / grid->count[axis]);
 }
 
-static void add_run(BlockWays *ways, double *const x[3], double *const before[3], ptrdiff_t first, ptrdiff_t end)
+static void add_run(BlockWays *ways, double *const x[3], float *const before[3], ptrdiff_t first, ptrdiff_t end)
 {
   for (int d = 0; d < 3; d++) {
     double low = ways->low[d], high = ways->high[d];
 #pragma omp simd reduction(min : low) reduction(max : high)
     for (ptrdiff_t i = first; i < end; i++) {
-      const double way = x[d][i] - before[d][i];
+      const double way = x[d][i] - (double)before[d][i];
       low = way < low ? way : low;
       high = way > high ? way : high;
     }
@@ -42,7 +42,7 @@ static void add_run(BlockWays *ways, double *const x[3], double *const before[3]
   }
 }
 
-static BlockWays block_ways(const BlockGrid *grid, const int32_t at[3], double *const x[3], double *const before[3])
+static BlockWays block_ways(const BlockGrid *grid, const int32_t at[3], double *const x[3], float *const before[3])
 {
   const Cells *c = grid->cells;
   BlockWays ways = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -94,7 +94,7 @@ static void place_of(const BlockGrid *grid, ptrdiff_t b, int32_t at[3])
   at[2] = (int32_t)(b / grid->count[0] / grid->count[1]);
 }
 
-CastStatus approach_bound(Approach *approach, const Cells *cells, double *const x[3], double *const before[3],
+CastStatus approach_bound(Approach *approach, const Cells *cells, double *const x[3], float *const before[3],
                           double *bound, CastError *err)
 {
   BlockGrid grid = {.cells = cells};

@@ -14,7 +14,7 @@ typedef struct Approach {
 
 /* A bound on |w_i - w_j|, m, over all pairs nearer than two reaches when the points were sorted; w = x - before [3][n],
  * both in the order of the cells. Errors: CAST_ERR_MEMORY. */
-CastStatus approach_bound(Approach *approach, const Cells *cells, double *const x[3], double *const before[3],
+CastStatus approach_bound(Approach *approach, const Cells *cells, double *const x[3], float *const before[3],
                           double *bound, CastError *err);
 void approach_free(Approach *approach);
 

@@ -4,6 +4,7 @@
  * is the transpose of the fluid's. */
 #include "cast/particles/neighbours.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,8 @@ struct Neighbours {
   Cells fluid_cells, wall_cells;
   double *sorted_wall[3]; // [n_wall] positions in the order of wall_cells
   ptrdiff_t n_wall;       // -1: walls not sorted yet
-  double *built_at[3];    // [n_fluid] positions when the lists were built
+  float *built_at[3];     // [n_fluid] positions when the lists were built
+  double rounding;        // m, at most so far are these from the positions
   uint8_t *thin;          // [n_fluid] a thin mould wall is near
   ptrdiff_t n_fluid, capacity;
   PairList fluid_fluid, fluid_wall, wall_fluid;
@@ -124,8 +126,8 @@ static double longest_way(const Neighbours *nb, const Particles *p)
   double longest2 = 0.0;
 #pragma omp parallel for simd reduction(max : longest2)
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-    const double dx = p->x[0][i] - nb->built_at[0][i], dy = p->x[1][i] - nb->built_at[1][i],
-                 dz = p->x[2][i] - nb->built_at[2][i], way2 = dx * dx + dy * dy + dz * dz;
+    const double dx = p->x[0][i] - (double)nb->built_at[0][i], dy = p->x[1][i] - (double)nb->built_at[1][i],
+                 dz = p->x[2][i] - (double)nb->built_at[2][i], way2 = dx * dx + dy * dy + dz * dz;
     longest2 = way2 > longest2 ? way2 : longest2;
   }
   return sqrt(longest2);
@@ -136,12 +138,12 @@ static CastStatus find_due(Neighbours *nb, const Particles *p, bool *due, CastEr
 {
   *due = nb->builds == 0 || nb->n_fluid != p->n_fluid;
   if (*due) return CAST_OK;
-  const double longest = longest_way(nb, p);
+  const double longest = longest_way(nb, p) + nb->rounding;
   *due = !(longest <= nb->wall_skin && longest <= 0.5 * nb->reach); // beyond: particles of distant blocks might meet
   if (*due || longest <= 0.5 * nb->skin) return CAST_OK;
   double nearer;
   CAST_CALL(approach_bound(&nb->approach, &nb->fluid_cells, p->x, nb->built_at, &nearer, err));
-  *due = nearer > nb->skin;
+  *due = nearer + 2.0 * nb->rounding > nb->skin;
   return CAST_OK;
 }
 
@@ -170,8 +172,8 @@ static CastStatus reserve_fluid(Neighbours *nb, ptrdiff_t n, CastError *err)
 {
   nb->n_fluid = n;
   if (n <= nb->capacity) return CAST_OK;
-  const size_t bytes = (size_t)n * sizeof(double);
-  double **const room[] = {&nb->built_at[0], &nb->built_at[1], &nb->built_at[2]};
+  const size_t bytes = (size_t)n * sizeof(float);
+  float **const room[] = {&nb->built_at[0], &nb->built_at[1], &nb->built_at[2]};
   bool ok = true;
   for (size_t r = 0; r < sizeof room / sizeof *room; r++) {
     free(*room[r]);
@@ -334,6 +336,19 @@ static bool fill_row(const void *context, ptrdiff_t row, RowBuffer *buffer)
   return true;
 }
 
+/* In single precision: whether lists hold is a question of a tenth of a spacing. */
+static void remember_positions(Neighbours *nb, const Particles *p)
+{
+  const Cells *c = &nb->fluid_cells;
+  double far = 0.0;
+  for (int d = 0; d < 3; d++) {
+    far = fmax(far, fmax(fabs(c->low[d]), fabs(c->low[d] + c->size[d] * c->count[d])));
+#pragma omp parallel for simd
+    for (ptrdiff_t i = 0; i < p->n_fluid; i++) nb->built_at[d][i] = (float)p->x[d][i];
+  }
+  nb->rounding = sqrt(3.0) * 0.5 * (double)FLT_EPSILON * far;
+}
+
 static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
 {
   CAST_CALL(check_positions(p, err));
@@ -350,7 +365,7 @@ static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
   CAST_CALL(pair_list_build(&nb->fluid_fluid, p->n_fluid, fill_row, &melt, &nb->buffers, err));
   CAST_CALL(pair_list_build(&nb->fluid_wall, p->n_fluid, fill_row, &wall, &nb->buffers, err));
   CAST_CALL(pair_list_transpose(&nb->fluid_wall, (int32_t)p->n_fluid, p->n - p->n_fluid, &nb->wall_fluid, err));
-  for (int d = 0; d < 3; d++) memcpy(nb->built_at[d], p->x[d], (size_t)p->n_fluid * sizeof(double));
+  remember_positions(nb, p);
   nb->builds++;
   return CAST_OK;
 }
