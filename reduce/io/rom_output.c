@@ -145,7 +145,7 @@ PetscErrorCode rom_output_write(const ReduceConfig *config, const MouldMesh *mes
   PetscCall(measure_heat_capacity(system, &rom.heat_capacity));
   describe_model(system, model, &rom);
   if (mesh) {
-    const ModelBasis basis = {model->V, model->blocks, model->modes, model->r};
+    const ModelBasis basis = {model->V, model->basis, model->modes, model->r};
     PetscCall(wall_geometry_gather(mesh, &basis, config->band, config->basis_budget, &geometry));
     PetscCheck(geometry.r == model->r, comm, PETSC_ERR_ARG_INCOMP,
                "the basis has %" PetscInt_FMT " columns for %" PetscInt_FMT " states", geometry.r, model->r);

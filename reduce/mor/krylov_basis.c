@@ -10,6 +10,8 @@
 
 /* A Gram eigenvalue below this, of vectors of length 1, is rounding of the inner products. */
 static const PetscReal GRAM_ROUNDING = 1e-13;
+/* Above it one projection leaves less than about 1e-14 along the basis, far below any tolerance. */
+static const PetscReal ONCE_IS_ENOUGH = 1e-2;
 
 static PetscErrorCode create_bv(const ThermalSystem *system, PetscInt columns, BV *bv)
 {
@@ -205,13 +207,34 @@ static PetscErrorCode add_rows(Mat X, const PetscReal *Q, PetscInt ldq, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A few rows at a time, for the sake of memory. */
+static PetscErrorCode rows_of_vectors(const KrylovBasis *basis, PetscInt k, const PetscReal *Q, PetscInt n,
+                                      const PetscInt *row, PetscReal *rows)
+{
+  enum { ROWS = 2048 };
+  Mat V;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscArrayzero(rows, (size_t)n * (size_t)k));
+  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
+  PetscCall(BVGetMat(basis->V, &V));
+  for (PetscInt first = 0; first < n; first += ROWS)
+    PetscCall(add_rows(V, Q, basis->r, k, PetscMin(ROWS, n - first), row + first, rows + (size_t)first * (size_t)k));
+  PetscCall(BVRestoreMat(basis->V, &V));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode krylov_basis_rows(const KrylovBasis *basis, PetscInt k, const PetscReal *Q, PetscInt n,
                                  const PetscInt *row, PetscReal *rows)
 {
-  const PetscInt n_raw = basis->raw->n_raw, p = basis->p;
+  const PetscInt n_raw = basis->raw ? basis->raw->n_raw : 0, p = basis->p;
   PetscReal *TQ;
 
   PetscFunctionBeginUser;
+  if (!basis->blocks) {
+    PetscCall(rows_of_vectors(basis, k, Q, n, row, rows));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(PetscMalloc1((size_t)n_raw * (size_t)k, &TQ));
   PetscCall(small_multiply('N', 'N', n_raw, k, basis->r, 1.0, basis->raw->T, Q, 0.0, TQ));
   for (size_t i = 0; i < (size_t)n; i++)
@@ -250,23 +273,25 @@ static PetscErrorCode reserve(KrylovBasis *basis, PetscInt kept)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* W -= V (V^T E W) */
-static PetscErrorCode project_out(KrylovBasis *basis, PetscInt k)
+/* W -= V (V^T E W), V's first `columns` */
+static PetscErrorCode project_out(KrylovBasis *basis, PetscInt k, PetscInt columns)
 {
   Mat M;
 
   PetscFunctionBeginUser;
-  if (basis->r == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(BVSetActiveColumns(basis->V, 0, basis->r));
-  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, basis->r, k, NULL, &M));
+  if (columns == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(BVSetActiveColumns(basis->V, 0, columns));
+  PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, columns, k, NULL, &M));
   PetscCall(BVDot(basis->W, basis->V, M));
   PetscCall(BVMult(basis->W, -1.0, 1.0, basis->V, M));
   PetscCall(MatDestroy(&M));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* W becomes an orthonormal basis of its own directions whose Gram eigenvalue is above `smallest`. */
-static PetscErrorCode orthonormalise_block(KrylovBasis *basis, PetscInt k, PetscReal smallest, PetscInt *kept)
+/* W becomes an orthonormal basis of its own directions whose Gram eigenvalue is above `smallest`.
+ *   least  out: of those that are kept */
+static PetscErrorCode orthonormalise_block(KrylovBasis *basis, PetscInt k, PetscReal smallest, PetscInt *kept,
+                                           PetscReal *least)
 {
   Mat M, Q;
   PetscScalar *gram, *to;
@@ -282,6 +307,7 @@ static PetscErrorCode orthonormalise_block(KrylovBasis *basis, PetscInt k, Petsc
   PetscCall(small_eigen(PetscObjectComm((PetscObject)basis->W), k, gram, w));
   *kept = 0;
   while (*kept < k && w[k - 1 - *kept] > smallest) (*kept)++;
+  *least = *kept > 0 ? w[k - *kept] : 0.0;
   PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, k, PetscMax(*kept, 1), NULL, &Q));
   PetscCall(MatDenseGetArray(Q, &to));
   for (PetscInt c = 0; c < *kept; c++) // the longest direction first
@@ -374,18 +400,21 @@ static PetscErrorCode append(KrylovBasis *basis, PetscInt kept)
 PetscErrorCode krylov_basis_add(KrylovBasis *basis, Mat *X, PetscInt *kept)
 {
   const PetscReal smallest = PetscMax(basis->deflation * basis->deflation, GRAM_ROUNDING);
+  PetscReal least;
   PetscInt k;
 
   PetscFunctionBeginUser;
   PetscCall(MatGetSize(*X, NULL, &k));
   PetscCall(BVRestoreMat(basis->W, X));
   PetscCall(normalise(basis, k));
-  PetscCall(project_out(basis, k));
-  PetscCall(orthonormalise_block(basis, k, smallest, kept));
+  PetscCall(project_out(basis, k, basis->r));
+  PetscCall(orthonormalise_block(basis, k, smallest, kept, &least));
   if (*kept > 0) {
-    /* The second pass finds vectors that are orthonormal but for the rounding that the first has magnified. */
-    PetscCall(project_out(basis, *kept));
-    PetscCall(orthonormalise_block(basis, *kept, 0.25, kept));
+    /* The second pass finds vectors that are orthonormal but for the rounding that the first has magnified: what was
+     * left of them, of length 1 before, is at least sqrt(least) long. The constant comes first and is heat: no
+     * exception for it. */
+    PetscCall(project_out(basis, *kept, least < ONCE_IS_ENOUGH ? basis->r : PetscMin(basis->r, 1)));
+    PetscCall(orthonormalise_block(basis, *kept, 0.25, kept, &least));
   }
   if (*kept > 0) PetscCall(append(basis, *kept));
   PetscFunctionReturn(PETSC_SUCCESS);

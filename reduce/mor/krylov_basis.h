@@ -45,7 +45,7 @@ PetscErrorCode krylov_basis_project_stored(KrylovBasis *basis);
 PetscErrorCode krylov_basis_combine(const KrylovBasis *basis, const PetscReal *Q, Mat Y);
 /* G = Y^T V, [k x r] column-major. */
 PetscErrorCode krylov_basis_inner(const KrylovBasis *basis, Mat Y, PetscReal *G);
-/* Rows of V Q, Q [r x k] column-major, of a basis in blocks: rows [n x k] row-major.
+/* Rows of V Q, Q [r x k] column-major; with blocks each is read once. rows [n x k] row-major.
  *   row  [n] local numbers */
 PetscErrorCode krylov_basis_rows(const KrylovBasis *basis, PetscInt k, const PetscReal *Q, PetscInt n,
                                  const PetscInt *row, PetscReal *rows);

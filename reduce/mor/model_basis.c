@@ -21,15 +21,15 @@ static PetscErrorCode rows_of_vectors(const ModelBasis *basis, PetscInt n, const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Sums are in double: large parts of the blocks cancel. */
-static PetscErrorCode rows_of_blocks(const ModelBasis *basis, PetscInt n, const PetscInt *row, float *rows)
+/* Sums are in double: large parts of the vectors may cancel. */
+static PetscErrorCode rows_of_modes(const ModelBasis *basis, PetscInt n, const PetscInt *row, float *rows)
 {
   const size_t size = (size_t)n * (size_t)basis->r;
   PetscReal *sum;
 
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1(size, &sum));
-  PetscCall(krylov_basis_rows(basis->blocks, basis->r, basis->modes, n, row, sum));
+  PetscCall(krylov_basis_rows(basis->basis, basis->r, basis->modes, n, row, sum));
   for (size_t i = 0; i < size; i++) rows[i] = (float)sum[i];
   PetscCall(PetscFree(sum));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -41,7 +41,7 @@ PetscErrorCode model_basis_rows(const ModelBasis *basis, PetscInt n, const Petsc
   if (basis->V)
     PetscCall(rows_of_vectors(basis, n, row, rows));
   else
-    PetscCall(rows_of_blocks(basis, n, row, rows));
+    PetscCall(rows_of_modes(basis, n, row, rows));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -75,7 +75,7 @@ static PetscErrorCode compare_columns(const KrylovBasis *basis, PetscInt r, cons
 PetscErrorCode model_basis_orthogonality(const KrylovBasis *basis, PetscInt r, const PetscReal *modes,
                                          PetscReal *defect)
 {
-  enum { WIDTH = 256 };
+  enum { WIDTH = 64 };
   const PetscInt k = PetscMin(WIDTH, r);
   PetscInt column[WIDTH];
 

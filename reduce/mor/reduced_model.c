@@ -38,20 +38,14 @@ static PetscErrorCode hand_over_arrays(const Reduction *reduction, ReducedModel 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* In modal form; a basis in blocks stays so. */
-static PetscErrorCode hand_over_basis(Reduction *reduction, ReducedModel *model)
+/* As it is: of its modal form a few rows are wanted at most. */
+static void hand_over_basis(Reduction *reduction, ReducedModel *model)
 {
-  PetscFunctionBeginUser;
-  if (!reduction->basis->blocks) {
-    PetscCall(krylov_basis_take(reduction->basis, reduction->modal->r, reduction->modal->Q, &model->V));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  model->blocks = reduction->basis;
-  model->blocks->ports = NULL; // they go with the reduction
+  model->basis = reduction->basis;
+  model->basis->ports = NULL; // they go with the reduction
   reduction->basis = NULL;
   model->modes = reduction->modal->Q;
   reduction->modal->Q = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode reduced_model_create(const ThermalSystem *system, const ReductionConfig *config, Log *log,
@@ -79,7 +73,7 @@ PetscErrorCode reduced_model_create(const ThermalSystem *system, const Reduction
   PetscCall(hand_over_arrays(reduction, model));
   const double reduced = log_wall_time();
   PetscCall(reduction_certify(reduction, &model->certificate));
-  PetscCall(hand_over_basis(reduction, model));
+  hand_over_basis(reduction, model);
   model->n_shifts = reduction->n_shifts;
   model->shifts = reduction->shifts;
   reduction->shifts = NULL;
@@ -91,13 +85,21 @@ PetscErrorCode reduced_model_create(const ThermalSystem *system, const Reduction
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode reduced_model_make_vectors(ReducedModel *model)
+{
+  PetscFunctionBeginUser;
+  if (model->V) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(krylov_basis_take(model->basis, model->r, model->modes, &model->V));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode reduced_model_destroy(ReducedModel **model)
 {
   PetscFunctionBeginUser;
   if (!*model) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree4((*model)->lambda, (*model)->B, (*model)->ambient, (*model)->constant));
   PetscCall(BVDestroy(&(*model)->V));
-  PetscCall(krylov_basis_destroy(&(*model)->blocks));
+  PetscCall(krylov_basis_destroy(&(*model)->basis));
   PetscCall(PetscFree((*model)->modes));
   PetscCall(PetscFree((*model)->shifts));
   PetscCall(PetscFree2((*model)->certificate.frequency, (*model)->certificate.transfer_bound));

@@ -13,9 +13,9 @@ typedef struct ReducedModel {
   PetscReal *B;        // [r*m] row-major
   PetscReal *ambient;  // [r]
   PetscReal *constant; // [r]
-  BV V;                // [n x r] E-orthonormal basis in modal form, distributed; owned; NULL: in
-  KrylovBasis *blocks; // blocks, owned; with
-  PetscReal *modes;    // [blocks->r x r] the states in their basis
+  KrylovBasis *basis;  // owned; with
+  PetscReal *modes;    // [basis->r x r] the states in it
+  BV V;                // [n x r] the same as E-orthonormal vectors in modal form, distributed; owned; NULL: not made
   PetscInt n_shifts;
   PetscReal *shifts; // [n_shifts] 1/s
   PetscInt moments;
@@ -27,6 +27,8 @@ typedef struct ReducedModel {
  * the same answer on any number of ranks to solver tolerance. Says what it does in `log` (rank 0; NULL elsewhere). */
 PetscErrorCode reduced_model_create(const ThermalSystem *system, const ReductionConfig *config, Log *log,
                                     ReducedModel **model);
+/* Make V. The basis is gone then, as V takes its memory. Not of a basis in blocks, which may be larger than that. */
+PetscErrorCode reduced_model_make_vectors(ReducedModel *model);
 PetscErrorCode reduced_model_destroy(ReducedModel **model);
 
 /* H_r(s) = B^T (s + Lambda)^-1 B and the full H(s) = B^T (s E + K)^-1 B at a real s; [m*m] row-major, on every rank. */

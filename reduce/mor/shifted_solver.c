@@ -3,6 +3,7 @@
 #include <petscksp.h>
 
 #include "reduce/mor/dense_block.h"
+#include "reduce/mor/panel_cg.h"
 #include "reduce/petsc_compat.h"
 
 enum {
@@ -15,12 +16,13 @@ static const PetscReal LOW_RANK_RTOL = 1e-9; // tighter tolerances get the full-
 struct ShiftedSolver {
   const ThermalSystem *system; // borrowed
   Mat A;                       // s E + K, on the union of both patterns
-  PC factor, diagonal;         // the general and the high-shift preconditioner; owned
-  PC pc;                       // the one in use: borrowed
+  PC factor;                   // the preconditioner where sweeps do not pay; owned
+  PanelCg *panels;             // the solver where they do; owned
+  PetscBool sweeping;          // panels are in use, not the factor
   const char *name;
   PetscReal shift, rtol;
   PetscBool direct, low_rank, chosen_by_user;
-  PetscInt expected; // iterations with the diagonal
+  PetscInt limit; // of iterations with sweeps: more would cost more than the factor
   ShiftedSolverCount count;
   PetscInt width; // columns of the work blocks; 0: none yet
   Mat R, Z, P, Q; // [n x width]
@@ -71,9 +73,6 @@ static PetscErrorCode create_preconditioners(ShiftedSolver *solver)
   MPI_Comm comm = PetscObjectComm((PetscObject)solver->A);
 
   PetscFunctionBeginUser;
-  PetscCall(PCCreate(comm, &solver->diagonal));
-  PetscCall(PCSetType(solver->diagonal, PCJACOBI));
-  PetscCall(PCSetOperators(solver->diagonal, solver->A, solver->A));
   PetscCall(PCCreate(comm, &solver->factor));
   PetscCall(PCSetOptionsPrefix(solver->factor, "mor_"));
   PetscCall(PCSetOperators(solver->factor, solver->A, solver->A));
@@ -109,10 +108,10 @@ PetscErrorCode shifted_solver_create(const ThermalSystem *system, PetscReal rtol
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Iterations that the diagonal needs. P1 elements: D^-1 E has its spectrum in [1/2, 5/2] and D^-1 K in [0, 4] on any
+/* Iterations that sweeps need. P1 elements: D^-1 E has its spectrum in [1/2, 5/2] and D^-1 K in [0, 4] on any
  * mesh (Wathen 1987, IMA J. Numer. Anal. 7, 449), so the condition grows at most like x = 1 + max K_ii/(s E_ii). On
- * graded meshes the smallest elements are few, and x^(1/4) fits what was measured for 1 < x < 3000. */
-static PetscErrorCode expect_diagonal_iterations(ShiftedSolver *solver, PetscReal s, PetscReal *iterations)
+ * graded meshes the smallest elements are few, and a power of x fits what was measured for 1 < x < 3e5. */
+static PetscErrorCode expect_iterations(ShiftedSolver *solver, PetscReal s, PetscReal *iterations)
 {
   Vec e, k;
   PetscReal ratio;
@@ -123,47 +122,52 @@ static PetscErrorCode expect_diagonal_iterations(ShiftedSolver *solver, PetscRea
   PetscCall(MatGetDiagonal(solver->system->K, k));
   PetscCall(VecPointwiseDivide(k, k, e));
   PetscCall(VecMax(k, NULL, &ratio));
-  *iterations = PetscPowReal(1.0 + ratio / s, 0.25) * PetscLogReal(2.0 / solver->rtol);
+  *iterations = 0.33 * PetscPowReal(1.0 + ratio / s, 0.28) * PetscLogReal(2.0 / solver->rtol);
   PetscCall(VecDestroy(&e));
   PetscCall(VecDestroy(&k));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Costs in units of a column's iteration with the diagonal, measured from 1e4 to 1e5 unknowns: a factor 9 n^0.42, a
- * solve with it 10 per column; setting up AMG 100, a solve with it 200 per column. */
-static PetscErrorCode prefer_diagonal(ShiftedSolver *solver, PetscReal s, PetscInt columns, PetscBool *prefer)
+/* Costs in units of a column's iteration with sweeps, measured from 1e4 to 1e5 unknowns: a factor 70 n^0.42, a
+ * solve with it 50 per column; setting up AMG 500, a solve with it 1000 per column. */
+static PetscErrorCode prefer_sweeps(ShiftedSolver *solver, PetscReal s, PetscInt columns, PetscBool *prefer)
 {
-  const PetscReal n = (PetscReal)solver->system->n;
+  const PetscReal n = (PetscReal)solver->system->n, k = (PetscReal)PetscMax(columns, 1);
   PetscReal iterations = 0.0, other;
 
   PetscFunctionBeginUser;
   *prefer = PETSC_FALSE;
   if (solver->chosen_by_user || s <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(expect_diagonal_iterations(solver, s, &iterations));
-  solver->expected = (PetscInt)iterations;
-  other = solver->direct ? 9.0 * PetscPowReal(n, 0.42) + 10.0 * (PetscReal)columns : 100.0 + 200.0 * (PetscReal)columns;
-  *prefer = (PetscBool)(iterations * (PetscReal)columns < other);
+  PetscCall(expect_iterations(solver, s, &iterations));
+  other = solver->direct ? 70.0 * PetscPowReal(n, 0.42) + 50.0 * k : 500.0 + 1000.0 * k;
+  solver->limit = 20 + 2 * (PetscInt)(other / k);
+  *prefer = (PetscBool)(iterations * k < other);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The general preconditioner, or the diagonal. */
-static PetscErrorCode set_preconditioner(ShiftedSolver *solver, PetscBool diagonal)
+/* Sweeps, or the general preconditioner. */
+static PetscErrorCode set_preconditioner(ShiftedSolver *solver, PetscBool sweeping)
 {
   PetscFunctionBeginUser;
-  solver->pc = diagonal ? solver->diagonal : solver->factor;
-  solver->name = diagonal                 ? "CG with the diagonal"
+  solver->sweeping = sweeping;
+  solver->name = sweeping                 ? "CG with Gauss-Seidel sweeps"
                  : solver->chosen_by_user ? "CG with the preconditioner of the PETSc options"
                  : solver->direct         ? "MUMPS Cholesky"
                                           : "CG with BoomerAMG";
-  if (!diagonal) solver->count.setups++;
-  PetscCall(PCSetUp(solver->pc));
+  if (sweeping) {
+    if (!solver->panels) PetscCall(panel_cg_create(solver->A, &solver->panels));
+    PetscCall(panel_cg_take_values(solver->panels));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  solver->count.setups++;
+  PetscCall(PCSetUp(solver->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode shifted_solver_set_shift(ShiftedSolver *solver, PetscReal s, PetscInt columns)
 {
   const ThermalSystem *system = solver->system;
-  PetscBool diagonal;
+  PetscBool sweeping;
 
   PetscFunctionBeginUser;
   if (s == solver->shift) PetscFunctionReturn(PETSC_SUCCESS);
@@ -176,8 +180,8 @@ PetscErrorCode shifted_solver_set_shift(ShiftedSolver *solver, PetscReal s, Pets
   PetscCall(MatZeroEntries(solver->A));
   PetscCall(MatAXPY(solver->A, 1.0, system->K, SUBSET_NONZERO_PATTERN));
   PetscCall(MatAXPY(solver->A, s, system->E, SUBSET_NONZERO_PATTERN));
-  PetscCall(prefer_diagonal(solver, s, columns, &diagonal));
-  PetscCall(set_preconditioner(solver, diagonal));
+  PetscCall(prefer_sweeps(solver, s, columns, &sweeping));
+  PetscCall(set_preconditioner(solver, sweeping));
   solver->shift = s;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -201,19 +205,18 @@ static PetscErrorCode take_work_blocks(ShiftedSolver *solver, PetscInt width)
 
 static PetscBool factorised(const ShiftedSolver *solver)
 {
-  return (PetscBool)(solver->pc == solver->factor && solver->direct && !solver->chosen_by_user);
+  return (PetscBool)(!solver->sweeping && solver->direct && !solver->chosen_by_user);
 }
 
 static PetscInt iteration_limit(const ShiftedSolver *solver)
 {
-  if (solver->pc == solver->diagonal) return 50 + 3 * solver->expected;
   return !factorised(solver) ? 1000 : solver->low_rank ? 8 : 2;
 }
 
 static PetscErrorCode precondition(ShiftedSolver *solver, Mat R, Mat Z)
 {
   PetscFunctionBeginUser;
-  PetscCall(PCMatApply(solver->pc, R, Z));
+  PetscCall(PCMatApply(solver->factor, R, Z));
   solver->count.iterations += solver->width;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -263,13 +266,51 @@ static PetscErrorCode iterate(ShiftedSolver *solver, Mat X, const PetscReal *b_s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* R = B - A X */
+static PetscErrorCode measure(ShiftedSolver *solver, Mat B, Mat X, const PetscReal *b_squared, PetscReal *worst)
+{
+  PetscReal *r_squared;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)solver->width, &r_squared));
+  PetscCall(dense_block_multiply(solver->A, X, solver->R));
+  PetscCall(MatAYPX(solver->R, -1.0, B, SAME_NONZERO_PATTERN));
+  PetscCall(worst_residual(solver->R, b_squared, r_squared, worst));
+  PetscCall(PetscFree(r_squared));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In single precision, then again for what is left over, as long as that helps. */
+static PetscErrorCode sweep(ShiftedSolver *solver, Mat B, Mat X, const PetscReal *b_squared, PetscReal *worst)
+{
+  enum { MOST_ROUNDS = 8 };
+  const PetscInt k = solver->width;
+  PetscInt iterations = 0;
+  PetscReal *length, before = PETSC_MAX_REAL;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)k, &length));
+  for (PetscInt c = 0; c < k; c++) length[c] = 0.8 * solver->rtol * PetscSqrtReal(b_squared[c]);
+  PetscCall(MatZeroEntries(X));
+  PetscCall(MatCopy(B, solver->R, SAME_NONZERO_PATTERN));
+  *worst = 1.0;
+  for (int round = 0; round<MOST_ROUNDS && * worst> solver->rtol && *worst < 0.3 * before; round++) {
+    before = *worst;
+    PetscCall(panel_cg_solve(solver->panels, solver->R, X, length, solver->limit, &iterations));
+    solver->count.iterations += k * iterations;
+    PetscCall(measure(solver, B, X, b_squared, worst));
+    if (iterations == solver->limit) break;
+  }
+  PetscCall(PetscFree(length));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* X = M^-1 B first: with a factor this is the answer, and the residual only confirms it. */
 static PetscErrorCode attempt(ShiftedSolver *solver, Mat B, Mat X, const PetscReal *b_squared, PetscReal *worst)
 {
   PetscFunctionBeginUser;
   PetscCall(precondition(solver, B, X));
-  PetscCall(dense_block_multiply(solver->A, X, solver->R));
-  PetscCall(MatAYPX(solver->R, -1.0, B, SAME_NONZERO_PATTERN));
+  PetscCall(measure(solver, B, X, b_squared, worst));
   PetscCall(MatZeroEntries(solver->P));
   PetscCall(iterate(solver, X, b_squared, worst));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -283,11 +324,11 @@ static PetscErrorCode solve_batch(ShiftedSolver *solver, Mat B, Mat X)
   PetscFunctionBeginUser;
   PetscCall(PetscMalloc1((size_t)k, &b_squared));
   PetscCall(dense_block_dots(B, B, b_squared));
-  PetscCall(attempt(solver, B, X, b_squared, &worst));
-  if (!(worst <= accepted) && solver->pc == solver->diagonal) { // the estimate was wrong for this mesh
-    PetscCall(set_preconditioner(solver, PETSC_FALSE));
-    PetscCall(attempt(solver, B, X, b_squared, &worst));
+  if (solver->sweeping) {
+    PetscCall(sweep(solver, B, X, b_squared, &worst));
+    if (!(worst <= accepted)) PetscCall(set_preconditioner(solver, PETSC_FALSE)); // too hard for them on this mesh
   }
+  if (!solver->sweeping) PetscCall(attempt(solver, B, X, b_squared, &worst));
   /* Rounding limits the residual to about eps ||A|| ||x||, which a factor reaches and nothing betters. */
   if (factorised(solver)) accepted = PetscMax(accepted, 1e-9);
   PetscCheck(worst <= accepted, PetscObjectComm((PetscObject)solver->A), PETSC_ERR_NOT_CONVERGED,
@@ -343,7 +384,7 @@ PetscErrorCode shifted_solver_destroy(ShiftedSolver **solver)
   if (!*solver) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(take_work_blocks(*solver, 0));
   PetscCall(PCDestroy(&(*solver)->factor));
-  PetscCall(PCDestroy(&(*solver)->diagonal));
+  PetscCall(panel_cg_destroy(&(*solver)->panels));
   PetscCall(MatDestroy(&(*solver)->A));
   PetscCall(PetscFree(*solver));
   PetscFunctionReturn(PETSC_SUCCESS);

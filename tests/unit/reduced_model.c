@@ -85,6 +85,7 @@ static void basis_is_orthonormal_and_modal(void **state)
   reduce(&SMALL_BOX, &config, &mould, &model);
   assert_true(model->certificate.orthogonality < 1e-12);
   TEST_PETSC(MatCreateVecs(mould.system->K, &E_column, NULL));
+  TEST_PETSC(reduced_model_make_vectors(model));
   for (PetscInt k = 0; k < model->r; k += 7) {
     PetscReal energy;
     TEST_PETSC(BVGetColumn(model->V, k, &column));
@@ -133,6 +134,7 @@ static void modal_finds_the_slowest_modes(void **state)
   assert_int_equal(model->r, 12);
   assert_true(isnan(model->certificate.moment_error) && !model->certificate.met);
   TEST_PETSC(MatCreateVecs(mould.system->K, &Ev, &Kv));
+  TEST_PETSC(reduced_model_make_vectors(model));
   for (PetscInt k = 0; k < model->r; k++) {
     PetscReal left, size;
     TEST_PETSC(BVGetColumn(model->V, k, &v));

@@ -89,6 +89,32 @@ static void high_shifts_do_without_a_factor(void **state)
   TEST_PETSC(mould_case_destroy(&mould));
 }
 
+/* 37 columns: two panels of 16 and one that is not full. 1e-11: several rounds of single precision. */
+static void sweeps_in_single_precision_reach_what_double_precision_asks_for(void **state)
+{
+  (void)state;
+  enum { COLUMNS = 37 };
+  static const PetscReal shifts[] = {1e-3, 1.0, 1e5}, tolerances[] = {1e-4, 1e-6, 1e-11};
+  MouldCase mould;
+  Mat B, X;
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &mould));
+  TEST_PETSC(dense_block_create(mould.system->E, COLUMNS, &B));
+  TEST_PETSC(dense_block_create(mould.system->E, COLUMNS, &X));
+  TEST_PETSC(MatSetRandom(B, NULL));
+  for (int i = 0; i < 9; i++) {
+    ShiftedSolver *solver;
+    TEST_PETSC(shifted_solver_create(mould.system, tolerances[i / 3], PETSC_TRUE, &solver));
+    TEST_PETSC(shifted_solver_set_shift(solver, shifts[i % 3], COLUMNS));
+    TEST_PETSC(shifted_solver_solve(solver, B, X));
+    assert_true(worst_residual(mould.system, shifts[i % 3], B, X) <= 1.001 * tolerances[i / 3]);
+    assert_int_equal(shifted_solver_get_count(solver).setups, 0); // no other preconditioner had to help
+    TEST_PETSC(shifted_solver_destroy(&solver));
+  }
+  TEST_PETSC(MatDestroy(&B));
+  TEST_PETSC(MatDestroy(&X));
+  TEST_PETSC(mould_case_destroy(&mould));
+}
+
 /* Step responses by one real pole over a ratio of 50 in time, against the L-stable scheme of order 5. */
 static void lanczos_step_responses_agree_with_time_integration(void **state)
 {
@@ -337,6 +363,7 @@ int main(int argc, char **argv)
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_solve_meets_the_tolerance_asked_for),
       cmocka_unit_test(high_shifts_do_without_a_factor),
+      cmocka_unit_test(sweeps_in_single_precision_reach_what_double_precision_asks_for),
       cmocka_unit_test(lanczos_step_responses_agree_with_time_integration),
       cmocka_unit_test(residual_directions_carry_the_error),
       cmocka_unit_test(basis_drops_what_it_holds_already),

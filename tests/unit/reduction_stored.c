@@ -47,7 +47,7 @@ static double difference(const ReducedModel *a, const ReducedModel *b)
 /* Rows of the modes, which are not kept as vectors: the constant temperature is V (V^T E 1), and B_r = V^T B. */
 static void check_rows(const ReducedModel *model, const ThermalSystem *system)
 {
-  const ModelBasis basis = {model->V, model->blocks, model->modes, model->r};
+  const ModelBasis basis = {model->V, model->basis, model->modes, model->r};
   const PetscScalar *value;
   PetscInt n, first;
   TEST_PETSC(MatGetLocalSize(system->B, &n, NULL));

@@ -52,6 +52,7 @@ static void check_passivity(const char *method, const BoxMould *box, ReductionCo
   double least = 1e300;
   TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, box, &mould));
   TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &model));
+  TEST_PETSC(reduced_model_make_vectors(model));
   const double of_E = projection_defect(model, mould.system->E, NULL);
   const double of_K = projection_defect(model, mould.system->K, model->lambda) / model->lambda[model->r - 1];
   for (int i = 0; i <= 30; i++) least = fmin(least, least_eigenvalue(model, pow(10.0, -4.0 + 0.3 * i)));
