@@ -63,8 +63,9 @@ CastStatus melt_results_open(const char *folder, const Material *melt, ptrdiff_t
   CastStatus status = allocate(folder, melt, n_ids, results, err);
   MeltResults *made = *results;
   if (status == CAST_OK)
-    status = n_steps == 0 ? vtk_series_create(made->path, N_FIELDS, made->field, NULL, &made->series, err)
-                          : vtk_series_reopen(made->path, N_FIELDS, made->field, n_steps, &made->series, err);
+    status = n_steps == 0
+                 ? vtk_series_create(made->path, N_FIELDS, made->field, NULL, (size_t)n_ids, &made->series, err)
+                 : vtk_series_reopen(made->path, N_FIELDS, made->field, n_steps, &made->series, err);
   if (status != CAST_OK) melt_results_close(results);
   return status;
 }

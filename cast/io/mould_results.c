@@ -42,7 +42,7 @@ static CastStatus open_files(MouldResults *made, size_t n_steps, CastError *err)
   CAST_CHECK(made->temperature && made->values, err, CAST_ERR_MEMORY, "no memory for the mould's temperatures");
   if (n_steps > 0) return vtk_series_reopen(made->path, 1, &TEMPERATURE, n_steps, &made->series, err);
   const VtkMesh mesh = {rom->n_points, rom->n_triangles, rom->points, rom->triangles, rom->triangle_patch};
-  CAST_CALL(vtk_series_create(made->path, 1, &TEMPERATURE, &mesh, &made->series, err));
+  CAST_CALL(vtk_series_create(made->path, 1, &TEMPERATURE, &mesh, mesh.n_points, &made->series, err));
   return write_cells(made, err);
 }
 

@@ -6,8 +6,9 @@
 
 #include "cast/io/h5_grow.h"
 
-/* Rows of a chunk: large ones compress and read well, steps are few. */
-enum { CHUNK_ROWS = 16384, CHUNK_STEPS = 256 };
+/* Rows of a chunk: large ones compress and read well, steps are few. A frame that begins within a chunk has to unpack
+ * and pack it again: where a frame is about as large as a chunk, the chunk is a frame. */
+enum { CHUNK_ROWS = 16384, CHUNK_STEPS = 256, LEAST_FRAME = 1025, MOST_FRAME = 2 * CHUNK_ROWS };
 
 static const char *const TOPOLOGIES[] = {"Vertices", "Lines", "Polygons", "Strips"};
 enum { N_TOPOLOGIES = 4, VERTICES = 0, POLYGONS = 2 };
@@ -21,6 +22,7 @@ struct VtkSeries {
   long long mesh_points;
   size_t n_steps, capacity;
   VtkStep *step;
+  hsize_t chunk; // rows, of what a new file gets
 };
 
 /* ---- making the file ---- */
@@ -71,10 +73,15 @@ static CastStatus make_steps(const VtkSeries *series, hid_t root, CastError *err
   return status;
 }
 
+static hsize_t choose_chunk(size_t rows)
+{
+  return rows >= LEAST_FRAME && rows <= MOST_FRAME ? rows : CHUNK_ROWS;
+}
+
 static CastStatus make_fields(const VtkSeries *series, hid_t root, CastError *err)
 {
   CAST_CALL(grow(root, "NumberOfPoints", H5T_NATIVE_LLONG, 0, CHUNK_STEPS, err));
-  CAST_CALL(h5_grow_create(root, &(GrowingSet){"Points", H5T_NATIVE_FLOAT, 3, CHUNK_ROWS, "m", "positions"}, err));
+  CAST_CALL(h5_grow_create(root, &(GrowingSet){"Points", H5T_NATIVE_FLOAT, 3, series->chunk, "m", "positions"}, err));
   for (size_t f = 0; f < series->n_fields; f++) {
     const VtkField *field = &series->field[f];
     char name[256];
@@ -82,7 +89,7 @@ static CastStatus make_fields(const VtkSeries *series, hid_t root, CastError *er
     const GrowingSet set = {name,
                             field->integer ? H5T_NATIVE_INT32 : H5T_NATIVE_FLOAT,
                             field->components > 1 ? (hsize_t)field->components : 0,
-                            CHUNK_ROWS,
+                            series->chunk,
                             field->units,
                             field->description};
     CAST_CALL(h5_grow_create(root, &set, err));
@@ -151,12 +158,13 @@ static CastStatus allocate(const char *path, size_t n_fields, const VtkField *fi
   return CAST_OK;
 }
 
-CastStatus vtk_series_create(const char *path, size_t n_fields, const VtkField *field, const VtkMesh *mesh,
+CastStatus vtk_series_create(const char *path, size_t n_fields, const VtkField *field, const VtkMesh *mesh, size_t rows,
                              VtkSeries **series, CastError *err)
 {
   CastStatus status = allocate(path, n_fields, field, series, err);
   if (status == CAST_OK) {
     (*series)->fixed = mesh != NULL;
+    (*series)->chunk = choose_chunk(rows);
     (*series)->mesh_points = mesh ? (long long)mesh->n_points : 0;
     status = make_file(*series, mesh, err);
   }

@@ -38,8 +38,9 @@ typedef struct VtkSeries VtkSeries;
 
 /*  mesh   NULL: points move
  *  field  borrowed, must outlive the series (names and texts too)
+ *  rows   points that a step is likely to have; any number will do
  * Errors: CAST_ERR_IO, CAST_ERR_MEMORY. */
-CastStatus vtk_series_create(const char *path, size_t n_fields, const VtkField *field, const VtkMesh *mesh,
+CastStatus vtk_series_create(const char *path, size_t n_fields, const VtkField *field, const VtkMesh *mesh, size_t rows,
                              VtkSeries **series, CastError *err);
 /* Go on with a file after its first n_steps; later ones are dropped. Errors: CAST_ERR_IO, CAST_ERR_FORMAT. */
 CastStatus vtk_series_reopen(const char *path, size_t n_fields, const VtkField *field, size_t n_steps,

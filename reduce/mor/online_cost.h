@@ -15,6 +15,7 @@ PetscErrorCode online_cost_measure(const ReducedModel *model, OnlineCost *cost);
 typedef struct FullStepCost {
   PetscReal operations; // of one step, multiplications and additions as PETSc counts them, all ranks
   PetscReal seconds;    // wall
+  PetscReal processor;  // s, processor time of this rank
   PetscReal iterations;
 } FullStepCost;
 
