@@ -12,14 +12,154 @@
 static const char FORMAT[] = "castrun checkpoint";
 enum { FORMAT_VERSION = 5 };
 
-/* ---- writing ---- */
-
 static CastStatus write_doubles(hid_t file, const char *name, size_t n, const double *values, const char *units,
                                 const char *description, CastError *err)
 {
   const hsize_t shape[1] = {n};
   return h5_write(file, name, H5T_NATIVE_DOUBLE, 1, shape, values, units, description, err);
 }
+
+static CastStatus read_doubles(hid_t file, const char *name, size_t n, double *values, CastError *err)
+{
+  hsize_t shape[1] = {n};
+  void *read = NULL;
+  CAST_CALL(h5_read(file, name, H5T_NATIVE_DOUBLE, 1, shape, &read, err));
+  memcpy(values, read, n * sizeof *values);
+  free(read);
+  return CAST_OK;
+}
+
+/* ---- states that their owners pack into doubles ---- */
+
+static size_t mould_size(const Sim *sim)
+{
+  return rom_state_size(sim->mould);
+}
+static void mould_save(const Sim *sim, double *state)
+{
+  rom_state_save(sim->mould, state);
+}
+static void mould_restore(Sim *sim, const double *state)
+{
+  rom_state_restore(sim->mould, state);
+}
+
+static size_t exchange_size(const Sim *sim)
+{
+  return coupling_size(sim->coupling);
+}
+static void exchange_save(const Sim *sim, double *state)
+{
+  coupling_save(sim->coupling, state);
+}
+static void exchange_restore(Sim *sim, const double *state) // after the mould
+{
+  coupling_restore(sim->coupling, sim->mould, state);
+}
+
+static size_t frozen_size(const Sim *sim)
+{
+  return freezing_size(sim->freezing);
+}
+static void frozen_save(const Sim *sim, double *state)
+{
+  freezing_save(sim->freezing, state);
+}
+static void frozen_restore(Sim *sim, const double *state)
+{
+  freezing_restore(sim->freezing, state);
+}
+
+static size_t arrived_size(const Sim *sim)
+{
+  return arrival_size(sim->arrival);
+}
+static void arrived_save(const Sim *sim, double *state)
+{
+  arrival_save(sim->arrival, state);
+}
+static void arrived_restore(Sim *sim, const double *state)
+{
+  arrival_restore(sim->arrival, state);
+}
+
+static size_t filled_size(const Sim *sim)
+{
+  return filling_state_size(sim->filling);
+}
+static void filled_save(const Sim *sim, double *state)
+{
+  filling_save(sim->filling, state);
+}
+static void filled_restore(Sim *sim, const double *state)
+{
+  filling_restore(sim->filling, state);
+}
+
+static size_t counts_size(const Sim *sim)
+{
+  return sizeof sim->counts / sizeof(double);
+}
+static void counts_save(const Sim *sim, double *state)
+{
+  memcpy(state, &sim->counts, sizeof sim->counts);
+}
+static void counts_restore(Sim *sim, const double *state)
+{
+  memcpy(&sim->counts, state, sizeof sim->counts);
+}
+
+typedef struct PackedState {
+  const char *name, *unit, *description;
+  size_t (*size)(const Sim *sim); // doubles; 0: there is none, and none is kept
+  void (*save)(const Sim *sim, double *state);
+  void (*restore)(Sim *sim, const double *state);
+} PackedState;
+
+/* In the order in which they are restored. */
+static const PackedState PACKED[] = {
+    {"mould", "", "state of the reduced model, as rom_state packs it", mould_size, mould_save, mould_restore},
+    {"coupling", "", "the ledger's sums and heat on its way to the mould, as coupling packs them", exchange_size,
+     exchange_save, exchange_restore},
+    {"freezing", "", "when particles froze, as freezing packs it", frozen_size, frozen_save, frozen_restore},
+    {"arrival", "", "when melt came, how warm, as arrival packs it", arrived_size, arrived_save, arrived_restore},
+    {"pouring", "", "inlets and outlets, as sim_pour packs it", sim_pour_size, sim_pour_save, sim_pour_restore},
+    {"filling", "s", "when each level was reached", filled_size, filled_save, filled_restore},
+    {"counts", "", "time, steps and sums", counts_size, counts_save, counts_restore},
+};
+enum { N_PACKED = sizeof PACKED / sizeof PACKED[0] };
+
+static CastStatus make_room(const Sim *sim, const PackedState *packed, double **state, CastError *err)
+{
+  *state = malloc(packed->size(sim) * sizeof **state + 1);
+  CAST_CHECK(*state, err, CAST_ERR_MEMORY, "no memory for the state of '%s'", packed->name);
+  return CAST_OK;
+}
+
+static CastStatus write_packed(const Sim *sim, const PackedState *packed, hid_t file, CastError *err)
+{
+  double *state;
+  if (packed->size(sim) == 0) return CAST_OK;
+  CAST_CALL(make_room(sim, packed, &state, err));
+  packed->save(sim, state);
+  const CastStatus status =
+      write_doubles(file, packed->name, packed->size(sim), state, packed->unit, packed->description, err);
+  free(state);
+  return status;
+}
+
+static CastStatus read_packed(Sim *sim, const PackedState *packed, hid_t file, CastError *err)
+{
+  double *state;
+  if (packed->size(sim) == 0) return CAST_OK;
+  CAST_CALL(make_room(sim, packed, &state, err));
+  const CastStatus status = read_doubles(file, packed->name, packed->size(sim), state, err);
+  if (status == CAST_OK) packed->restore(sim, state);
+  free(state);
+  return status;
+}
+
+/* ---- writing ---- */
 
 static CastStatus write_identity(const Sim *sim, hid_t file, CastError *err)
 {
@@ -53,22 +193,6 @@ static CastStatus write_particles(const Sim *sim, hid_t file, CastError *err)
   return h5_write(file, "particles/n_melt", H5T_NATIVE_LLONG, 0, NULL, &n_fluid, "1", "how many of them are melt", err);
 }
 
-static CastStatus write_mould(const Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = rom_state_size(sim->mould), n_coupling = coupling_size(sim->coupling);
-  double *state = malloc((n + n_coupling) * sizeof *state);
-  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the mould's state");
-  rom_state_save(sim->mould, state);
-  coupling_save(sim->coupling, state + n);
-  CastStatus status =
-      write_doubles(file, "mould", n, state, "", "state of the reduced model, as rom_state packs it", err);
-  if (status == CAST_OK)
-    status = write_doubles(file, "coupling", n_coupling, state + n, "",
-                           "the ledger's sums and heat on its way to the mould, as coupling packs them", err);
-  free(state);
-  return status;
-}
-
 /* Of the heat record: rows written and the interval begun. */
 static CastStatus write_record(const Sim *sim, hid_t file, CastError *err)
 {
@@ -83,46 +207,9 @@ static CastStatus write_record(const Sim *sim, hid_t file, CastError *err)
   return status;
 }
 
-static CastStatus write_freezing(const Sim *sim, hid_t file, CastError *err)
+static CastStatus write_output(const Sim *sim, hid_t file, CastError *err)
 {
-  const size_t n = freezing_size(sim->freezing), places = arrival_size(sim->arrival);
-  double *known = malloc(((n > places ? n : places) + 1) * sizeof *known);
-  CAST_CHECK(known, err, CAST_ERR_MEMORY, "no memory");
-  freezing_save(sim->freezing, known);
-  CastStatus status = write_doubles(file, "freezing", n, known, "", "when particles froze, as freezing packs it", err);
-  arrival_save(sim->arrival, known);
-  if (status == CAST_OK)
-    status = write_doubles(file, "arrival", places, known, "", "when melt came, how warm, as arrival packs it", err);
-  free(known);
-  return status;
-}
-
-/* What came in and left. */
-static CastStatus write_pouring(const Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = sim_pour_size(sim);
-  if (n == 0) return CAST_OK;
-  double *state = malloc(n * sizeof *state);
-  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory");
-  sim_pour_save(sim, state);
-  const CastStatus status =
-      write_doubles(file, "pouring", n, state, "", "inlets and outlets, as sim_pour packs it", err);
-  free(state);
-  return status;
-}
-
-static CastStatus write_progress(const Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = filling_state_size(sim->filling);
-  double *reached = malloc((n + 1) * sizeof *reached), output[OUTPUT_STATE] = {0};
-  CAST_CHECK(reached, err, CAST_ERR_MEMORY, "no memory");
-  filling_save(sim->filling, reached);
-  const CastStatus status = write_doubles(file, "filling", n, reached, "s", "when each level was reached", err);
-  free(reached);
-  CAST_CALL(status);
-  const double *counts = (const double *)(const void *)&sim->counts;
-  CAST_CALL(
-      write_doubles(file, "counts", sizeof sim->counts / sizeof *counts, counts, "", "time, steps and sums", err));
+  double output[OUTPUT_STATE] = {0};
   sim_output_save(sim, output);
   CAST_CALL(write_record(sim, file, err));
   return write_doubles(file, "output", OUTPUT_STATE, output, "", "steps and bytes written, times of the next ones",
@@ -133,10 +220,8 @@ static CastStatus write_all(const Sim *sim, hid_t file, CastError *err)
 {
   CAST_CALL(write_identity(sim, file, err));
   CAST_CALL(write_particles(sim, file, err));
-  CAST_CALL(write_mould(sim, file, err));
-  CAST_CALL(write_freezing(sim, file, err));
-  CAST_CALL(write_pouring(sim, file, err));
-  return write_progress(sim, file, err);
+  for (int k = 0; k < N_PACKED; k++) CAST_CALL(write_packed(sim, &PACKED[k], file, err));
+  return write_output(sim, file, err);
 }
 
 CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err)
@@ -157,16 +242,6 @@ CastStatus sim_write_checkpoint(Sim *sim, const char *name, CastError *err)
 }
 
 /* ---- reading ---- */
-
-static CastStatus read_doubles(hid_t file, const char *name, size_t n, double *values, CastError *err)
-{
-  hsize_t shape[1] = {n};
-  void *read = NULL;
-  CAST_CALL(h5_read(file, name, H5T_NATIVE_DOUBLE, 1, shape, &read, err));
-  memcpy(values, read, n * sizeof *values);
-  free(read);
-  return CAST_OK;
-}
 
 static CastStatus check_format(hid_t file, const char *path, CastError *err)
 {
@@ -232,59 +307,6 @@ static CastStatus restore_particles(Sim *sim, hid_t file, CastError *err)
   return CAST_OK;
 }
 
-static CastStatus restore_mould(Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = rom_state_size(sim->mould), n_coupling = coupling_size(sim->coupling);
-  double *state = malloc((n + n_coupling) * sizeof *state);
-  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory for the mould's state");
-  CastStatus status = read_doubles(file, "mould", n, state, err);
-  if (status == CAST_OK) status = read_doubles(file, "coupling", n_coupling, state + n, err);
-  if (status == CAST_OK) {
-    rom_state_restore(sim->mould, state);
-    coupling_restore(sim->coupling, sim->mould, state + n);
-  }
-  free(state);
-  return status;
-}
-
-static CastStatus restore_freezing(Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = freezing_size(sim->freezing), places = arrival_size(sim->arrival);
-  double *known = malloc(((n > places ? n : places) + 1) * sizeof *known);
-  CAST_CHECK(known, err, CAST_ERR_MEMORY, "no memory");
-  CastStatus status = read_doubles(file, "freezing", n, known, err);
-  if (status == CAST_OK) freezing_restore(sim->freezing, known);
-  if (status == CAST_OK) status = read_doubles(file, "arrival", places, known, err);
-  if (status == CAST_OK) arrival_restore(sim->arrival, known);
-  free(known);
-  return status;
-}
-
-static CastStatus restore_pouring(Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = sim_pour_size(sim);
-  if (n == 0) return CAST_OK;
-  double *state = malloc(n * sizeof *state);
-  CAST_CHECK(state, err, CAST_ERR_MEMORY, "no memory");
-  const CastStatus status = read_doubles(file, "pouring", n, state, err);
-  if (status == CAST_OK) sim_pour_restore(sim, state);
-  free(state);
-  return status;
-}
-
-static CastStatus restore_progress(Sim *sim, hid_t file, CastError *err)
-{
-  const size_t n = filling_state_size(sim->filling);
-  double *reached = malloc((n + 1) * sizeof *reached);
-  CAST_CHECK(reached, err, CAST_ERR_MEMORY, "no memory");
-  const CastStatus status = read_doubles(file, "filling", n, reached, err);
-  if (status == CAST_OK) filling_restore(sim->filling, reached);
-  free(reached);
-  CAST_CALL(status);
-  double *counts = (double *)(void *)&sim->counts;
-  return read_doubles(file, "counts", sizeof sim->counts / sizeof *counts, counts, err);
-}
-
 static CastStatus restore_record(Sim *sim, hid_t file, CastError *err)
 {
   hsize_t shape[1] = {0};
@@ -306,10 +328,7 @@ static CastStatus restore(Sim *sim, hid_t file, const char *command, CastError *
   CAST_CALL(sim_output_reopen(sim, command, output, err));
   CAST_CALL(restore_record(sim, file, err));
   CAST_CALL(restore_particles(sim, file, err));
-  CAST_CALL(restore_mould(sim, file, err));
-  CAST_CALL(restore_freezing(sim, file, err));
-  CAST_CALL(restore_pouring(sim, file, err));
-  CAST_CALL(restore_progress(sim, file, err));
+  for (int k = 0; k < N_PACKED; k++) CAST_CALL(read_packed(sim, &PACKED[k], file, err));
   if (sim->counts.stage == STAGE_COOL) return sim_cool_resume(sim, err);
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
   CAST_CALL(sim_rebuild(sim, err));

@@ -3,6 +3,7 @@
  * long as the time step stays what it is. A box of investment with thin layers at a cavity wall of 7 x 7 patches,
  * reduced to 1e-3 from 1 ms on. Processor time of one rank. full_step [cells along an edge, 45: 97,000 unknowns [factor
  * it: 1]] */
+#include <math.h>
 #include <petscksp.h>
 #include <slepcsys.h>
 #include <time.h>
@@ -105,12 +106,13 @@ int main(int argc, char **argv)
   MouldCase mould;
 
   PetscCall(SlepcInitialize(NULL, NULL, NULL, NULL));
-  const int edge = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 45;
+  const double unknowns = argc > 1 ? strtod(argv[1], NULL) : 97000.0;
+  const int across = (int)PetscMax(lround(cbrt(unknowns) / PATCHES), 1) * PATCHES;
   for (int k = 0; k < 2; k++) {
     box.patches[k] = PATCHES;
-    box.cells[k] = (edge + PATCHES / 2) / PATCHES * PATCHES;
+    box.cells[k] = across;
   }
-  box.cells[2] = edge;
+  box.cells[2] = (int)PetscMax(lround(unknowns / ((across + 1.0) * (across + 1.0))) - 1, 2);
   PetscCall(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
   PetscCall(compare(mould.system, argc > 2 ? strtol(argv[2], NULL, 10) != 0 : PETSC_TRUE));
   PetscCall(mould_case_destroy(&mould));
