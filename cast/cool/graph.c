@@ -16,12 +16,8 @@ typedef struct Shape { // of the kernel, and the domain's periods
 
 static double weight_of(const Shape *shape, const Particles *p, ptrdiff_t i, ptrdiff_t j)
 {
-  double r2 = 0.0;
-  for (int d = 0; d < 3; d++) {
-    double r = p->x[d][i] - p->x[d][j];
-    if (shape->period[d] > 0.0) r -= shape->period[d] * floor(r / shape->period[d] + 0.5);
-    r2 += r * r;
-  }
+  double way[3];
+  const double r2 = particles_offset(p, i, j, shape->period, way);
   return (p->volume[i] * p->volume[j]) * (shape->slope * shape_slope(shape->kernel, sqrt(r2) / shape->h));
 }
 

@@ -66,11 +66,6 @@ static bool grow(void **array, ptrdiff_t count, size_t size)
 
 /* ---- one row ---- */
 
-static double image(double d, double period)
-{
-  return period > 0.0 ? d - period * floor(d / period + 0.5) : d;
-}
-
 static WallFacing face_wall(const Particles *p, ptrdiff_t k)
 {
   WallFacing facing = {.volume = p->volume[p->n_fluid + k]};
@@ -87,7 +82,7 @@ static void place_touch(const Build *b, ptrdiff_t i, const WallFacing *wall, Tou
 {
   double r2 = 0.0, across = 0.0;
   for (int d = 0; d < 3; d++) {
-    const double way = image(b->p->x[d][i] - wall->x[d], b->period[d]);
+    const double way = particles_image(b->p->x[d][i] - wall->x[d], b->period[d]);
     r2 += way * way;
     across += way * wall->normal[d];
   }
@@ -158,7 +153,7 @@ static bool patch_in_sight(const Build *b, ptrdiff_t i, const Share *share, int3
     if (touch->contact != number) continue;
     double foot2 = 0.0;
     for (int d = 0; d < 3; d++) {
-      const double to = image(x[d] - p->foot[d][touch->wall], b->period[d]);
+      const double to = particles_image(x[d] - p->foot[d][touch->wall], b->period[d]);
       foot2 += to * to;
     }
     if (foot2 >= least) continue;

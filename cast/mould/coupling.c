@@ -168,9 +168,7 @@ double coupling_contact_area(const Coupling *c, size_t patch)
 
 double coupling_conductance(const Coupling *c)
 {
-  double most = 0.0;
-  for (size_t l = 0; l < c->rom->m; l++) most = fmax(most, c->sum[l] / c->rom->patch[l].area);
-  return most;
+  return c->conductance;
 }
 
 bool coupling_check_stability(const Coupling *c, const RomState *state, double dt, double *stiffness)

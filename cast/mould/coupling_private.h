@@ -33,6 +33,7 @@ struct Coupling {
   long builds;              // of the neighbour lists that the contacts were made from
   double *flow;             // [m] W
   double *sum;              // [m] W/K, conductance of each patch, with the largest h of its law
+  double conductance;       // W/(m2 K), the largest sum over its patch's area
   double *wetted, *touched; // [m] m2
   double *T, *E;            // [n_near] K, J/kg of the particles near walls during a step
   double *mean;             // [n_near] W, what the wall takes from them, mean over the sub-steps

@@ -51,12 +51,10 @@ static Conductance surface_conductance(const Coupling *c, const Particles *p, pt
 static Conductance embedded_conductance(const Coupling *c, const Particles *p, ptrdiff_t i, ptrdiff_t k)
 {
   const ptrdiff_t j = p->n_fluid + k;
-  double r2 = 0.0, across = 0.0, lift = 0.0;
+  double way[3], across = 0.0, lift = 0.0;
+  const double r2 = particles_offset(p, i, j, c->period, way);
   for (int d = 0; d < 3; d++) {
-    double r = p->x[d][i] - p->x[d][j];
-    if (c->period[d] > 0.0) r -= c->period[d] * floor(r / c->period[d] + 0.5);
-    r2 += r * r;
-    across += r * p->normal[d][k];
+    across += way[d] * p->normal[d][k];
     lift += (p->x[d][j] - p->foot[d][k]) * p->normal[d][k];
   }
   const double h = c->sph->h, distance = across + lift;
@@ -106,6 +104,8 @@ static void set_conductances(Coupling *c, const Particles *p)
       sum += contacts->most[contacts->of_patch[k]];
     c->sum[l] = sum;
   }
+  c->conductance = 0.0;
+  for (size_t l = 0; l < c->rom->m; l++) c->conductance = fmax(c->conductance, c->sum[l] / c->rom->patch[l].area);
 }
 
 /* ---- power ---- */

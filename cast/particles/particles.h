@@ -65,13 +65,18 @@ CastStatus particles_create(ptrdiff_t n_fluid, double *const x[3], double spacin
 CastStatus particles_add(Particles *particles, ptrdiff_t more, CastError *err);
 void particles_destroy(Particles *particles);
 
+/* A way along one axis to the nearest image where the axis repeats (period > 0). */
+static inline double particles_image(double way, double period)
+{
+  return period > 0.0 ? way - period * floor(way / period + 0.5) : way;
+}
+
 /* d = x_i - x_j, m, of the nearest image where an axis repeats (period > 0); returns |d|^2. */
 static inline double particles_offset(const Particles *p, ptrdiff_t i, ptrdiff_t j, const double period[3], double d[3])
 {
   double r2 = 0.0;
   for (int a = 0; a < 3; a++) {
-    d[a] = p->x[a][i] - p->x[a][j];
-    if (period[a] > 0.0) d[a] -= period[a] * floor(d[a] / period[a] + 0.5);
+    d[a] = particles_image(p->x[a][i] - p->x[a][j], period[a]);
     r2 += d[a] * d[a];
   }
   return r2;

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "tests/bench/lammps.h"
 #include "tests/support/lattice_tank.h"
 
 enum { DRIFT, LISTS, RATES, FINISH, LIMITS, PARTS };
@@ -133,11 +134,17 @@ int main(int argc, char **argv)
   Particles *p = &tank.particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) p->E[i] = p->x[0][i] < 0.2 ? 6.8e5 : 8.5e5;
   sph_initialise(&tank.sph, p);
+  char note[160];
+  const double lammps = lammps_time(&tank, 1e-4, note); // from the same places
   double spent[PARTS] = {0.0};
   const double begun = omp_get_wtime();
   for (long k = 0; k < steps; k++) step(&tank, 1e-4, spent);
   report(&tank, spent, omp_get_wtime() - begun);
   printf("  rates in the plain form, in double: %.3f us CPU a particle\n", plain_rates(&tank));
+  if (isnan(lammps))
+    printf("  LAMMPS: %s\n", note);
+  else
+    printf("  LAMMPS (%s): %.3f us CPU a particle-step\n", note, lammps);
   lattice_tank_destroy(&tank);
   material_destroy(&melt);
   return 0;
