@@ -5,7 +5,8 @@
 #include "reduce/collective.h"
 #include "reduce/petsc_compat.h"
 
-static const PetscReal THINNER = 0.8, THINNEST = 1e-3; // of the band, a try, and of what was asked at least
+static const PetscReal THINNEST = 1e-3; // of the band that was asked for
+static const PetscReal NEAR = 1.25;     // a band thicker by this does not fit: thick enough
 
 typedef struct Points { // in use and owned by this rank
   PetscInt n;
@@ -149,30 +150,60 @@ static PetscErrorCode count_used(Vec used, PetscReal *n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The elements of the band, and `used` that marks their nodes, as thick as the budget allows. */
+/* The elements of a band, in place of those of another, and `used` that marks their nodes. */
+static PetscErrorCode take_band(const MouldMesh *mesh, PetscReal band, WallGeometry *geometry, WallShare *share,
+                                Vec used)
+{
+  PetscFunctionBeginUser;
+  if (share->dm) PetscCall(wall_share_destroy(share));
+  geometry->band = band;
+  PetscCall(wall_share_create(mesh, band, share));
+  PetscCall(mark_used(share, used));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode basis_fits(const WallGeometry *geometry, Vec used, PetscReal budget, PetscBool *fits)
+{
+  PetscReal n_points;
+
+  PetscFunctionBeginUser;
+  PetscCall(count_used(used, &n_points));
+  *fits = (PetscBool)(n_points * (PetscReal)geometry->r * (PetscReal)sizeof(float) <= budget);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* As thick as the budget allows, by bisection of its logarithm; the thinnest where even the wall's own nodes take more.
+ */
 static PetscErrorCode choose_band(const MouldMesh *mesh, PetscReal budget, WallGeometry *geometry, WallShare *share,
                                   Vec used)
 {
-  const PetscReal asked = geometry->band;
+  PetscReal too_thick = geometry->band, thin_enough = THINNEST * too_thick;
+  PetscBool fits = PETSC_FALSE;
 
   PetscFunctionBeginUser;
-  for (;;) {
-    PetscReal n_points;
-    PetscCall(wall_share_create(mesh, geometry->band, share));
-    PetscCall(mark_used(share, used));
-    PetscCall(count_used(used, &n_points));
-    if (n_points * (PetscReal)geometry->r * (PetscReal)sizeof(float) <= budget || geometry->band < THINNEST * asked)
-      break;
-    geometry->band *= THINNER;
-    PetscCall(wall_share_destroy(share));
+  PetscCall(take_band(mesh, too_thick, geometry, share, used));
+  PetscCall(basis_fits(geometry, used, budget, &fits));
+  if (fits) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(take_band(mesh, thin_enough, geometry, share, used));
+  PetscCall(basis_fits(geometry, used, budget, &fits));
+  if (!fits) PetscFunctionReturn(PETSC_SUCCESS);
+  while (too_thick > NEAR * thin_enough) {
+    const PetscReal band = PetscSqrtReal(thin_enough * too_thick);
+    PetscCall(take_band(mesh, band, geometry, share, used));
+    PetscCall(basis_fits(geometry, used, budget, &fits));
+    if (fits)
+      thin_enough = band;
+    else
+      too_thick = band;
   }
+  if (geometry->band > thin_enough) PetscCall(take_band(mesh, thin_enough, geometry, share, used));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode wall_geometry_gather(const MouldMesh *mesh, const ModelBasis *basis, PetscReal band, PetscReal budget,
                                     WallGeometry *geometry)
 {
-  WallShare share;
+  WallShare share = {0};
   Points points = {0};
   PetscInt begin, end;
   Vec used;
