@@ -14,15 +14,16 @@ static const double CELL_REACH = 0.9;                       // of a cell's edge,
 static const double HIGH = 1.25, BESIDE = 0.87, SUNK = 0.2; // spacings, before a triangle
 static const double MOST_BUCKETS = 4e6;
 
-typedef struct Place {
-  double x[3], normal[3]; // m; into the cavity, zero for a cell
-} Place;
+typedef struct TrianglePlace {
+  double x[3], normal[3]; // m; into the cavity
+} TrianglePlace;
 
 struct Arrival {
-  ptrdiff_t n_cells, n; // cells, then triangles
+  const CavityCells *cells; // borrowed
+  ptrdiff_t n_cells, n;     // places: cells, then triangles
   size_t n_triangles;
-  int32_t *triangle; // [n_triangles]
-  Place *place;      // [n]
+  int32_t *triangle;    // [n_triangles]
+  TrianglePlace *place; // [n_triangles]
   double cell_reach2, high, beside2, sunk;
   double *time, *temperature; // [n] s, K; NAN: not reached
   double low[3], bucket;      // m
@@ -38,16 +39,15 @@ struct Arrival {
 
 /* ---- places ---- */
 
-static void set_cells(Arrival *a, const CavityCells *cells)
+static void locate_place(const Arrival *a, ptrdiff_t i, double x[3])
 {
-  for (ptrdiff_t i = 0; i < cells->n; i++)
-    for (int d = 0; d < 3; d++) a->place[i].x[d] = cells->x[d][i];
+  for (int d = 0; d < 3; d++) x[d] = i < a->n_cells ? a->cells->x[d][i] : a->place[i - a->n_cells].x[d];
 }
 
 /* Triangles wind so that their normal points out of the mould: into the cavity. */
 static void set_triangles(Arrival *a, const RomData *rom)
 {
-  Place *place = a->place + a->n_cells;
+  TrianglePlace *place = a->place;
   for (size_t t = 0; t < rom->n_triangles; t++) {
     if (rom->patch[rom->triangle_patch[t]].outer) continue;
     const double *corner[3];
@@ -70,9 +70,12 @@ static ptrdiff_t bucket_of(const Arrival *a, const ptrdiff_t k[3])
   return (k[2] * a->count[1] + k[1]) * a->count[0] + k[0];
 }
 
-static ptrdiff_t bucket_at(const Arrival *a, const double x[3])
+/* The bucket of place i. */
+static ptrdiff_t bucket_at(const Arrival *a, ptrdiff_t i)
 {
+  double x[3];
   ptrdiff_t k[3];
+  locate_place(a, i, x);
   for (int d = 0; d < 3; d++) {
     k[d] = (ptrdiff_t)((x[d] - a->low[d]) / a->bucket);
     k[d] = k[d] < 0 ? 0 : k[d] >= a->count[d] ? a->count[d] - 1 : k[d];
@@ -87,8 +90,10 @@ static void measure_grid(Arrival *a, double reach)
     a->low[d] = HUGE_VAL;
     high[d] = -HUGE_VAL;
     for (ptrdiff_t i = 0; i < a->n; i++) {
-      a->low[d] = fmin(a->low[d], a->place[i].x[d]);
-      high[d] = fmax(high[d], a->place[i].x[d]);
+      double x[3];
+      locate_place(a, i, x);
+      a->low[d] = x[d] < a->low[d] ? x[d] : a->low[d];
+      high[d] = x[d] > high[d] ? x[d] : high[d];
     }
     if (a->n == 0) a->low[d] = high[d] = 0.0;
     volume *= high[d] - a->low[d] + reach;
@@ -103,11 +108,11 @@ static void fill_buckets(Arrival *a)
   const ptrdiff_t buckets = a->count[0] * a->count[1] * a->count[2];
   memset(a->start, 0, (size_t)(buckets + 1) * sizeof *a->start);
   memset(a->left, 0, (size_t)buckets * sizeof *a->left);
-  for (ptrdiff_t i = 0; i < a->n; i++) a->start[bucket_at(a, a->place[i].x) + 1]++;
+  for (ptrdiff_t i = 0; i < a->n; i++) a->start[bucket_at(a, i) + 1]++;
   for (ptrdiff_t b = 0; b < buckets; b++) a->start[b + 1] += a->start[b];
   for (ptrdiff_t i = 0; i < a->n; i++) {
     if (!isnan(a->time[i])) continue;
-    const ptrdiff_t b = bucket_at(a, a->place[i].x);
+    const ptrdiff_t b = bucket_at(a, i);
     a->waiting[a->start[b] + a->left[b]++] = (int32_t)i;
   }
 }
@@ -117,7 +122,7 @@ static void fill_buckets(Arrival *a)
 static CastStatus allocate(Arrival *a, const CavityCells *cells, const RomData *rom, CastError *err)
 {
   const size_t most = (size_t)cells->n + rom->n_triangles + 1;
-  a->place = calloc(most, sizeof *a->place);
+  a->place = malloc((rom->n_triangles + 1) * sizeof *a->place);
   a->triangle = malloc((rom->n_triangles + 1) * sizeof *a->triangle);
   a->time = malloc(2 * most * sizeof *a->time);
   a->best = malloc(most * sizeof *a->best);
@@ -133,8 +138,8 @@ static CastStatus build(Arrival *a, const CavityCells *cells, const RomData *rom
                         CastError *err)
 {
   CAST_CALL(allocate(a, cells, rom, err));
+  a->cells = cells;
   a->n_cells = cells->n;
-  set_cells(a, cells);
   set_triangles(a, rom);
   a->n = a->n_cells + (ptrdiff_t)a->n_triangles;
   a->temperature = a->time + a->n;
@@ -200,11 +205,12 @@ static int buckets_around(const Arrival *a, const double x[3], ptrdiff_t bucket[
 /* Squared distance from place i to x, m2; HUGE_VAL: x does not reach it. */
 static double distance2(const Arrival *a, ptrdiff_t i, const double x[3])
 {
-  const Place *place = &a->place[i];
-  double way[3];
-  vec_between(place->x, x, way);
-  const double r2 = vec_dot(way, way), height = vec_dot(way, place->normal);
+  double at[3], way[3];
+  locate_place(a, i, at);
+  vec_between(at, x, way);
+  const double r2 = vec_dot(way, way);
   if (i < a->n_cells) return r2 <= a->cell_reach2 ? r2 : HUGE_VAL;
+  const double height = vec_dot(way, a->place[i - a->n_cells].normal);
   return height > a->sunk && height < a->high && r2 - height * height < a->beside2 ? r2 : HUGE_VAL;
 }
 
@@ -255,7 +261,7 @@ void arrival_update(Arrival *a, const Particles *p, double time)
     a->temperature[i] = p->T[a->nearest[i]];
     a->best[i] = HUGE_VAL;
   }
-  for (ptrdiff_t t = 0; t < n_touched; t++) take_out(a, bucket_at(a, a->place[a->touched[t]].x));
+  for (ptrdiff_t t = 0; t < n_touched; t++) take_out(a, bucket_at(a, a->touched[t]));
 }
 
 /* ---- what is known ---- */
@@ -292,12 +298,12 @@ double arrival_triangle_temperature(const Arrival *arrival, ptrdiff_t i)
 
 const double *arrival_triangle_place(const Arrival *arrival, ptrdiff_t i)
 {
-  return arrival->place[arrival->n_cells + i].x;
+  return arrival->place[i].x;
 }
 
 const double *arrival_triangle_normal(const Arrival *arrival, ptrdiff_t i)
 {
-  return arrival->place[arrival->n_cells + i].normal;
+  return arrival->place[i].normal;
 }
 
 size_t arrival_size(const Arrival *arrival)

@@ -12,8 +12,8 @@
 
 typedef struct Arrival Arrival;
 
-/*  cells, rom  borrowed for the call only;  spacing m;  n_fluid  at most so many particles will be
- * Errors: CAST_ERR_MEMORY. */
+/*  cells  borrowed, must outlive the arrival;  rom  borrowed for the call only;  spacing m;  n_fluid  at most so many
+ * particles will be Errors: CAST_ERR_MEMORY. */
 CastStatus arrival_create(const CavityCells *cells, const RomData *rom, double spacing, ptrdiff_t n_fluid,
                           Arrival **arrival, CastError *err);
 void arrival_destroy(Arrival **arrival);
