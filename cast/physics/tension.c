@@ -1,6 +1,6 @@
 /* Method      continuum surface force on one phase, in four passes over fluid rows: fill and its gradient; curvature by
- *             least squares over normals of surface particles only; curvature spread to all near them; force.
- *             Interior disorder makes normals that mean nothing, so neither curvature nor contact line take them.
+ *             least squares over normals of surface particles and, at walls, of the contact angle; curvature spread to
+ *             all near them; force. Interior disorder makes normals that mean nothing, so curvature does not take them.
  * References  Brackbill, Kothe & Zemach 1992, J. Comput. Phys. 100; Morris 2000, Int. J. Numer. Methods Fluids 33;
  *             docs/theory, Surface tension */
 #include "cast/physics/tension.h"
@@ -8,19 +8,23 @@
 #include <stdlib.h>
 
 #include "cast/kernel/interface.h"
+#include "cast/physics/wedge.h"
 #include "common/vector.h"
 
-enum { ROWS_PER_TASK = 128 };
-static const double surface_low = 0.3; // of the gradient at a flat surface: curvature is measured above
-static const double line_low = 0.1;    // the same for the contact line
-static const double near_wall = 0.2;   // filled by walls: half a spacing from a flat one
-static const double least_open = 0.3;  // what divides the fill; a particle on a wall has 0.5
+enum { ROWS_PER_TASK = 128, SHARES = 64 };
+static const double surface_low = 0.3;  // of the gradient at a flat surface: curvature is measured above
+static const double least_along = 0.1;  // of the normal: less of it along the wall is no contact line
+static const double most_across = 0.99; // of the normal across the wall
+static const double least_height = 0.1; // h, above a wall: nearer, noise of the normal would be all there is
+static const double least_open = 0.3;   // what divides the fill; a particle on a wall has 0.5
 
 typedef struct Near { // of one particle
   double normal[3];   // unit, into the melt
-  double gradient;    // 1/m, size of the fill's gradient
+  double melt[3];     // 1/m, gradient of what melt fills
   double wall[3];     // 1/m, gradient of what walls fill
   double walls;       // what walls fill
+  double height;      // m, above the wall; 0: no wall near
+  double depth;       // m, below the surface; near walls only
   double share;       // how surely at the surface, 0 to 1
   double measured;    // 1/m, curvature at the particle
 } Near;
@@ -29,11 +33,12 @@ struct Tension {
   KernelKind kernel;
   double h, slope, value; // m, 1/m5, 1/m3
   const Table *sigma;
-  double cos_theta, sigma_most;
-  double flat;   // 1/m, gradient at a flat surface
-  double radius; // m, mean radius of the kernel
-  double depth;  // m, mean depth of particles whose curvature is measured
-  double line;   // makes up for what line_low leaves out
+  double cos_theta, sin_theta, sigma_most;
+  double flat;                        // 1/m, gradient at a flat surface
+  double radius;                      // m, mean radius of the kernel
+  double depth;                       // m, mean depth of particles whose curvature is measured
+  double shares[SHARES], shares_step; // share of a flat surface's particles over depth, m
+  Wedge *wedge;
   Near *near;
   ptrdiff_t capacity;
 };
@@ -57,18 +62,18 @@ static void set_constants(Tension *t)
 {
   enum { PARTS = 400 };
   const double step = kernel_support(t->kernel) * t->h / PARTS;
-  double all = 0.0, line = 0.0, depth = 0.0, share = 0.0;
+  double depth = 0.0, share = 0.0;
   t->flat = flat_gradient(t, 0.0);
   for (int k = 0; k < PARTS; k++) {
     const double z = (k + 0.5) * step, g = flat_gradient(t, z), w = interface_share(g / t->flat, surface_low);
     t->radius += 4.0 * pair_pi * z * z * z * kernel_value(t->kernel, z, t->h) * step;
-    all += g;
-    line += g * interface_share(g / t->flat, line_low);
     depth += w * z;
     share += w;
   }
-  t->line = all / line;
   t->depth = depth / share;
+  t->shares_step = kernel_support(t->kernel) * t->h / SHARES;
+  for (int k = 0; k < SHARES; k++)
+    t->shares[k] = interface_share(flat_gradient(t, (k + 0.5) * t->shares_step) / t->flat, surface_low);
 }
 
 CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, double contact_angle, Tension **tension,
@@ -82,15 +87,17 @@ CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, doubl
   t->value = shape_norm(kernel) / (h * h * h);
   t->sigma = sigma;
   t->cos_theta = cos(contact_angle);
+  t->sin_theta = sin(contact_angle);
   for (size_t k = 0; k < sigma->n; k++) t->sigma_most = fmax(t->sigma_most, sigma->y[k]);
   set_constants(t);
-  return CAST_OK;
+  return wedge_create(kernel, contact_angle, &t->wedge, err);
 }
 
 void tension_destroy(Tension **tension)
 {
   if (!tension || !*tension) return;
   free((*tension)->near);
+  wedge_destroy(&(*tension)->wedge);
   free(*tension);
   *tension = NULL;
 }
@@ -101,6 +108,13 @@ double tension_step(const Tension *t, double rho)
 }
 
 /* ---- passes ---- */
+
+/* How surely a place in the wall would be at the surface, so deep below it (or above). */
+static double wall_share(const Tension *t, double depth)
+{
+  const double s = fabs(depth) / t->shares_step;
+  return s < SHARES ? t->shares[(int)s] : 0.0;
+}
 
 typedef struct Pass {
   const Tension *t;
@@ -137,20 +151,26 @@ static bool wall_normal(const Near *n, double flat, double away[3])
   return size > 1e-3 * flat;
 }
 
-/* Close to a wall the fill's gradient leans away from it, since a kernel round a corner of melt, wall and air is no
- * product of two: half of the part across the wall is left out there. */
-static void lean_back(const Tension *t, Near *n)
+/* Unit, along the wall from air to melt; false where the surface lies along the wall and has no contact line. */
+static bool along_wall(const Near *n, const double away[3], double along[3])
 {
-  double away[3];
-  if (!wall_normal(n, t->flat, away)) return;
-  const double across = vec_dot(n->normal, away), close = 0.5 * fmin(1.0, n->walls / near_wall);
-  double tangent[3];
-  for (int a = 0; a < 3; a++) tangent[a] = n->normal[a] - across * away[a];
-  const double size = sqrt(vec_dot(tangent, tangent));
-  if (size < 0.1) return; // a surface along the wall has no contact line
-  for (int a = 0; a < 3; a++) n->normal[a] = (1.0 - close) * n->normal[a] + close * tangent[a] / size;
-  const double length = sqrt(vec_dot(n->normal, n->normal));
-  for (int a = 0; a < 3; a++) n->normal[a] /= length;
+  vec_axpy(-vec_dot(n->normal, away), away, n->normal, along);
+  return vec_normalise(along) > least_along;
+}
+
+/* Turn the normal to what it would be with melt behind the wall too, under the same plane. Returns how much steeper the
+ * gradient would be. */
+static double see_behind_wall(const Tension *t, Near *n, double part)
+{
+  double away[3], along[3];
+  if (!wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return 1.0;
+  const WedgePlace at = wedge_look(t->wedge, n->walls, part);
+  const double across = fmax(-most_across, fmin(most_across, vec_dot(n->normal, away) + at.lean)),
+               beside = sqrt(1.0 - across * across);
+  for (int a = 0; a < 3; a++) n->normal[a] = across * away[a] + beside * along[a];
+  n->height = fmax(at.height, least_height) * t->h;
+  n->depth = at.depth * t->h;
+  return at.raise;
 }
 
 static void find_normal(const Pass *s, ptrdiff_t i)
@@ -158,34 +178,39 @@ static void find_normal(const Pass *s, ptrdiff_t i)
   const Tension *t = s->t;
   Near *n = &t->near[i];
   double fill = s->p->volume[i] * t->value * shape_value(t->kernel, 0.0), gradient[3] = {0};
-  *n = (Near){.gradient = 0.0};
+  *n = (Near){.share = 0.0};
   add_fill(s, i, s->fluid, &fill, gradient);
+  vec_copy(gradient, n->melt);
   add_fill(s, i, s->wall, &n->walls, n->wall);
   const double open = fmax(1.0 - n->walls, least_open), part = fmin(1.0, fill / open);
   for (int a = 0; a < 3; a++) gradient[a] = (gradient[a] + part * n->wall[a]) / open; // of fill/(1 - walls)
-  n->gradient = sqrt(vec_dot(gradient, gradient));
-  n->share = interface_share(n->gradient / t->flat, surface_low);
-  for (int a = 0; a < 3; a++) n->normal[a] = n->gradient > 0.0 ? gradient[a] / n->gradient : 0.0;
-  lean_back(t, n);
+  vec_copy(gradient, n->normal);
+  const double size = vec_normalise(n->normal);
+  n->share = interface_share(size * see_behind_wall(t, n, part) / t->flat, surface_low);
 }
 
-/* The melt continued behind the wall meets it at a right angle: across the wall the normal changes its sign. */
-static void add_mirror(const Pass *s, ptrdiff_t i, InterfaceSums *sums)
+/* At the wall the normal is that of the contact angle. A wall particle near the surface's plane stands for melt there,
+ * whose normal lies on the line from that of particle i through that at the wall, and further; how the surface turns
+ * along the contact line it does not tell. */
+static void add_wall(const Pass *s, ptrdiff_t i, InterfaceSums *sums)
 {
   const Tension *t = s->t;
   const Near *n = &t->near[i];
-  double away[3], turn = 0.0, square = 0.0;
-  if (!wall_normal(n, t->flat, away)) return;
+  double away[3], along[3], line[3], turn[3]; // turn: of the normal from the wall to particle i
+  if (n->height <= 0.0 || !wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return;
+  vec_cross(away, along, line);
+  for (int a = 0; a < 3; a++) turn[a] = n->normal[a] + t->cos_theta * away[a] - t->sin_theta * along[a];
   for (ptrdiff_t k = s->wall->start[i]; k < s->wall->start[i + 1]; k++) {
     const int32_t j = s->wall->index[k];
     double d[3];
-    const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d)), depth = vec_dot(d, away);
-    turn += F * 2.0 * vec_dot(n->normal, away) * depth;
-    square += F * depth * depth;
-  }
-  for (int a = 0, q = 0; a < 3; a++) {
-    for (int b = 0; b < 3; b++) sums->G[a][b] += turn * away[a] * away[b];
-    for (int b = a; b < 3; b++, q++) sums->M[q] += square * away[a] * away[b];
+    const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d)), across = vec_dot(d, away);
+    if (across <= n->height) continue; // of the other wall of a corner
+    const double w = F * wall_share(t, n->depth - vec_dot(d, n->normal)), beyond = across / n->height;
+    vec_axpy(-vec_dot(d, line), line, d, d);
+    for (int a = 0, q = 0; a < 3; a++) {
+      for (int b = 0; b < 3; b++) sums->G[a][b] += w * beyond * turn[a] * d[b];
+      for (int b = a; b < 3; b++, q++) sums->M[q] += w * d[a] * d[b];
+    }
   }
 }
 
@@ -206,7 +231,7 @@ static void find_curvature(const Pass *s, ptrdiff_t i)
       for (int b = a; b < 3; b++, q++) sums.M[q] += F * d[a] * d[b];
     }
   }
-  add_mirror(s, i, &sums);
+  add_wall(s, i, &sums);
   const double most = 1.5 / t->h, k = interface_at_surface(interface_shape(&sums), t->depth, t->radius);
   n->measured = fmax(-most, fmin(most, k));
 }
@@ -228,21 +253,15 @@ static double spread_curvature(const Pass *s, ptrdiff_t i)
   return weight > 0.0 ? sum / weight : 0.0;
 }
 
+/* Along the gradient that pressure acts with, of melt and, where it presses on them, walls: where curvature is the same
+ * everywhere sigma times it is the pressure, particle by particle. */
 static void push(const Pass *s, ptrdiff_t i)
 {
-  const Tension *t = s->t;
-  const Near *n = &t->near[i];
-  const double sigma = table_evaluate(t->sigma, s->p->T[i]), curvature = spread_curvature(s, i);
-  double away[3], force[3]; // N/m3
-  const bool at_wall = wall_normal(n, t->flat, away);
-  const double line = -4.0 * sigma * t->cos_theta * sqrt(vec_dot(n->wall, n->wall)) * n->gradient * t->line *
-                      interface_share(n->gradient / t->flat, line_low);
-  const double across = vec_dot(n->normal, away);
-  for (int a = 0; a < 3; a++)
-    force[a] = 2.0 * sigma * curvature * n->gradient * n->normal[a] + line * (n->normal[a] - across * away[a]);
-  // what pushes a particle at the wall into it or off it is the wall's to bear
-  const double borne = at_wall ? fmin(1.0, n->walls / near_wall) * vec_dot(force, away) : 0.0;
-  for (int a = 0; a < 3; a++) s->p->a[a][i] += (force[a] - borne * away[a]) * s->p->volume[i] / s->p->mass[i];
+  const Near *n = &s->t->near[i];
+  const double curvature = spread_curvature(s, i), pressing = positive(curvature);
+  if (curvature == 0.0) return;
+  const double per_mass = 2.0 * table_evaluate(s->t->sigma, s->p->T[i]) * s->p->volume[i] / s->p->mass[i];
+  for (int a = 0; a < 3; a++) s->p->a[a][i] += per_mass * (curvature * n->melt[a] + pressing * n->wall[a]);
 }
 
 CastStatus tension_push(Tension *t, Particles *p, const Neighbours *neighbours, CastError *err)

@@ -1,9 +1,9 @@
 /* tension.h - surface tension of the melt and its contact angle on the mould: a force on particles near the free
  * surface.                                                                           (docs/theory, Surface tension)
- *   a_i += (sigma/rho) 2 kappa_i grad c_i  - (sigma cos theta/rho) 4 |grad c_w| grad_t c
- * c: the share of the space outside walls that melt fills; kappa from the normals of particles at the surface,
- * smoothed inwards; c_w: the share that walls fill; grad_t: along the wall. The second term acts where the free
- * surface meets a wall; a surface that meets it at a right angle feels none. No state from step to step: a function of
+ *   a_i += (2 sigma/rho) (kappa_i grad c_i + max(kappa_i, 0) grad c_w)
+ * c, c_w: what melt and walls fill of the kernel, so that pressure sigma kappa balances it as long as kappa is uniform;
+ * kappa from the normals of particles at the surface, smoothed inwards. On a wall the normal is that of the contact
+ * angle: melt that stands otherwise has a curvature there that moves it. No state from step to step: a function of
  * places and temperatures. */
 #ifndef CAST_PHYSICS_TENSION_H
 #define CAST_PHYSICS_TENSION_H
