@@ -14,6 +14,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "cast/kernel/kernel.h"
 
@@ -39,6 +40,33 @@ PAIR_INLINE double shape_norm(KernelKind kind)
   default:
     return 21.0 / (16.0 * pair_pi);
   }
+}
+
+/* A bound on the steepest slope -w'(q) = q f(q), for the kernel without its norm. */
+PAIR_INLINE double shape_steepest(KernelKind kind)
+{
+  switch (kind) {
+  case KERNEL_CUBIC_SPLINE:
+    return 4.0; // at q = 2/3
+  case KERNEL_QUINTIC_SPLINE:
+    return 56.0; // 55.2 at q = 0.76
+  case KERNEL_LUCY:
+    return 1.8; // 16/9 at q = 1/3
+  case KERNEL_WENDLAND_C2:
+  default:
+    return 1.06; // 135/128 at q = 1/2
+  }
+}
+
+/* Rounded to the nearest whole number, halves to the even one: -x gives the opposite. gcc makes vectors of this
+ * builtin, not of lrintf with its long result. */
+PAIR_INLINE int32_t nearest_whole(float x)
+{
+#if defined(__GNUC__) && !defined(__clang__)
+  return __builtin_irintf(x);
+#else
+  return (int32_t)lrintf(x);
+#endif
 }
 
 #define REAL double

@@ -22,7 +22,7 @@ static void run_tasks(const SphParameters *sph, Particles *p, const Neighbours *
 {
   if (sph->frozen_flow) tasks.flow = false;
   if (p->n_fluid == 0 || (!tasks.flow && !tasks.heat)) return;
-  const Sweep sweep = sweep_begin(sph, p, neighbours);
+  Sweep sweep = sweep_begin(sph, p, neighbours);
   sweep_pack_fluid(&sweep);
   if (tasks.flow && sph->density == SPH_SUMMATION) {
     sweep_sum_density(&sweep);

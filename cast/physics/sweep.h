@@ -1,7 +1,7 @@
 /* sweep.h - one pass over all pairs of a neighbour list: records in, rates out. Internal to physics/.
- * The fast form (sweep.c, walls.c) computes pairs in single precision: positions as integers whose differences are
- * exact, lengths in h, volumes in h^3; sums and all that is kept are double. The plain form (sweep_plain.c) computes
- * the same formulas in double from the particles' fields. */
+ * The fast form (pack.c, sweep.c, walls.c) computes pairs in single precision: positions as integers whose differences
+ * are exact, lengths in h, volumes in h^3; sums between fluid particles are integers, all that is kept is double. The
+ * plain form (sweep_plain.c) computes the same formulas in double from the particles' fields. */
 #ifndef CAST_PHYSICS_SWEEP_H
 #define CAST_PHYSICS_SWEEP_H
 
@@ -28,6 +28,8 @@ enum {
   REC_WALL_MASS = REC_T // of the extrapolated density, in masses of a fluid particle
 };
 
+enum { SWEEP_GRAIN_BITS = 27 }; // no term of a pair has more than 2^27 grains
+
 typedef struct SweepScales {
   double slope, value; // norm/h^5, 1/m5, and norm/h^3, 1/m3
   double per_h;        // 1/m
@@ -43,7 +45,10 @@ typedef struct SweepScales {
   double per_unit[3]; // 1/m, the inverse of a record's unit of place
   float step[3];      // h, the unit
   double T0;          // K, what the records' temperatures count from
-  struct {            // from the fast form's sums (lengths in h, F in norm/h^5, volumes in h^3, masses in m) to SI
+  struct {            // see pack.c; in the fast form's units
+    double drho, a, heat;
+  } grain;
+  struct { // from the fast form's sums (lengths in h, F in norm/h^5, volumes in h^3, masses in m) to SI
     double drho, a, heat, away;
   } si;
 } SweepScales;
@@ -72,8 +77,8 @@ typedef struct Rates {
 } Rates;
 
 Sweep sweep_begin(const SphParameters *sph, Particles *particles, const Neighbours *neighbours);
-/* Pressure and volume from density, then the fluid's records. */
-void sweep_pack_fluid(const Sweep *sweep);
+/* Pressure and volume from density, then the fluid's records and the grains that suit them. */
+void sweep_pack_fluid(Sweep *sweep);
 RecordField sweep_place(const SweepScales *scale, int axis, double x);
 void sweep_sum_density(const Sweep *sweep); // rho by summation
 void sweep_walls(const Sweep *sweep);       // p, v, rho and records of the walls that fluid is near to
