@@ -49,10 +49,10 @@ const char *reduce_config_method(ReductionMethod method)
 }
 
 /* A basis need only be much better than the model made of it; but what its solves leave over the certificate has to add,
- * and above 1e-6 that may be more than the model's own error at slow rates. */
+ * and with more than this it may be more than the model's own error where that is far below the tolerance. */
 double reduce_config_solver_rtol(double tolerance)
 {
-  return fmin(1e-2 * tolerance, 1e-6);
+  return fmin(1e-4 * tolerance, 1e-6);
 }
 
 /* The settings of the methods; those of the others are refused. */

@@ -58,6 +58,7 @@ PetscErrorCode reduction_shorten(Reduction *reduction)
                        .reference = reference,
                        .limit = 0.98 * config->tolerance - reference->error};
   ModalModel *smaller;
+  const double start = log_wall_time();
 
   PetscFunctionBeginUser;
   if (!config->second_stage || stage.allowed <= 0.0) PetscFunctionReturn(PETSC_SUCCESS);
@@ -67,8 +68,9 @@ PetscErrorCode reduction_shorten(Reduction *reduction)
   PetscCall(PetscFree(stage.weight));
   reduction->second_stage_error = stage.reached;
   if (!smaller) PetscFunctionReturn(PETSC_SUCCESS);
-  log_info(reduction->log, "second stage: %d states become %d", (int)reduction->modal->r, (int)smaller->r);
   PetscCall(compare_stages(reduction, smaller));
+  log_info(reduction->log, "second stage: %d states become %d; %.1f s", (int)reduction->modal->r, (int)smaller->r,
+           log_wall_time() - start);
   if (config->early_weight == 0.0) {
     log_info(reduction->log,
              "balanced truncation: a-priori bound %.3g K/W of the transfer function's error, %.3g K/W found",
@@ -85,11 +87,14 @@ PetscErrorCode reduction_shorten(Reduction *reduction)
 PetscErrorCode reduction_begin_certificate(Reduction *reduction)
 {
   const ReductionConfig *config = reduction->config;
+  const double start = log_wall_time();
 
   PetscFunctionBeginUser;
   shifted_solver_set_tolerance(reduction->solver, BOUND_RTOL);
   PetscCall(certificate_create(reduction->basis, reduction->modal, reduction->solver, 1.0 / config->t_end,
                                1.0 / config->t_start, &reduction->certificate));
+  log_info(reduction->log, "certificate: full model's step responses %.1f s, residual's energy over the band %.1f s",
+           reduction->seconds_reference, log_wall_time() - start);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
