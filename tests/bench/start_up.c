@@ -1,6 +1,6 @@
 /* What stands between the command and the first step, by part: processor and wall time of reading the ROM, of the
  * surface and its search grid, of placing melt and walls, of the whole of sim_create. By default a box mould with a
- * ROM of about 100 MB and a million particles; or any case: start_up CAST.yaml. Threads as OMP_NUM_THREADS says. */
+ * ROM of about 90 MB and a million particles; or any case: start_up CAST.yaml. Threads as OMP_NUM_THREADS says. */
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,7 +55,7 @@ static void roughen(const char *path)
   rom_destroy(&rom);
 }
 
-/* A million particles of 10 mm in a box, and a band so wide that its basis takes some 100 MB. */
+/* A million particles of 10 mm in a box, and a band so wide that the file takes some 90 MB. */
 static void make_case(CastCase *made, char path[128])
 {
   const SyntheticBox box = {.outer = {1.5, 1.3, 1.4},
