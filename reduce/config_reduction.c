@@ -52,7 +52,7 @@ const char *reduce_config_method(ReductionMethod method)
  * and with more than this it may be more than the model's own error where that is far below the tolerance. */
 double reduce_config_solver_rtol(double tolerance)
 {
-  return fmin(1e-4 * tolerance, 1e-6);
+  return fmin(1e-5 * tolerance, 1e-6);
 }
 
 /* The settings of the methods; those of the others are refused. */

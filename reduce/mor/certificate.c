@@ -9,7 +9,8 @@
  *   1/(lambda + w) <= a/(lambda + u) + b/(lambda + v),  a = (U/W)^2 (V - W)/(V - U),  b = (V/W)^2 (W - U)/(V - U),
  * for the right side touches the left at lambda_0, and their difference times the denominators is
  * (a + b - 1)(lambda - lambda_0)^2 with a + b >= 1. The same holds between G(w), G(u) and G(v) as quadratic forms.
- * A second stage adds ||H_projected - H_last||_2, which is computed as it is. */
+ * A second stage adds ||H_projected - H_last||_2, which is computed as it is; or its own residual is taken
+ * (residual_truncated.c), which knows where the errors of the two stages cancel: the smaller one counts. */
 #include "reduce/mor/certificate.h"
 
 #include <math.h>
@@ -22,6 +23,9 @@ enum {
   NODES_PER_DECADE = 1,      // of G: a power law w^(-1/2) is met within 1.2 between them
   EVALUATIONS_PER_DECADE = 2 // of the bound, and as many again halfway between
 };
+
+enum { MOST_INPUTS = 256 };           // for which a second stage's own residual is worth its r^2 p multiplications
+static const PetscReal CANCELS = 0.1; // where the second stage's error is above this share of the first's
 
 static const PetscReal ROUNDING = 1e-12;   // of the arithmetic, relative to ||H||
 static const PetscReal NEGLIGIBLE = 0.002; // share of the residual that inexact solves may add unexamined
@@ -139,8 +143,10 @@ PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *mo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* lambda_max of R^H (w E + K)^-1 R, from above, by the nodes around w; by how much the projection slips. */
-static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, PetscReal *largest, PetscReal *slip)
+/* lambda_max of Phi^H G(w) Phi + P + iS, from above, by the nodes around w; by how much the projection slips.
+ *   more  P, S, or NULL: none */
+static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, PetscReal *const more[2], PetscReal *largest,
+                                     PetscReal *slip)
 {
   const size_t square = (size_t)band->p * (size_t)band->p;
   PetscReal *const *below = band->part[0], *const *above = band->part[1];
@@ -150,11 +156,10 @@ static PetscErrorCode largest_energy(const Certificate *band, PetscReal w, Petsc
   while (k < band->n_nodes - 2 && band->node[k + 1] <= w) k++;
   const PetscReal U = band->node[k] + w, W = 2.0 * w, V = band->node[k + 1] + w; // lambda_0 = w
   const PetscReal a = (U / W) * (U / W) * (V - W) / (V - U), b = (V / W) * (V / W) * (W - U) / (V - U);
-  PetscCall(weighted_factor(band, w));
   PetscCall(energy(band, band->G + (size_t)k * square, below[0], below[1]));
   PetscCall(energy(band, band->G + (size_t)(k + 1) * square, above[0], above[1]));
   for (int i = 0; i < 2; i++)
-    for (size_t e = 0; e < square; e++) below[i][e] = a * below[i][e] + b * above[i][e];
+    for (size_t e = 0; e < square; e++) below[i][e] = a * below[i][e] + b * above[i][e] + (more ? more[i][e] : 0.0);
   PetscCall(small_hermitian_largest(band->model->comm, band->p, below[0], below[1], largest));
   const PetscReal size = PetscMax(band->defect[k].size, band->defect[k + 1].size);
   *largest = pow(sqrt(PetscMax(*largest, 0.0)) + size, 2.0);
@@ -186,15 +191,53 @@ static PetscErrorCode transfer_norm(const Certificate *band, const ModalModel *m
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode bound_at(const Certificate *band, const ModalModel *last, PetscReal w, PetscReal *bound)
+/* By the residual of the last model itself. Inexact solves count twice: they were examined on the projected one. */
+static PetscErrorCode own_bound(const Certificate *band, const TruncatedModel *cut, PetscReal w, PetscReal *bound)
+{
+  const size_t square = (size_t)band->p * (size_t)band->p;
+  PetscReal *more[2], largest, slip;
+  Certificate doubtful = *band;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc3(square, &more[0], square, &more[1], (size_t)band->n_nodes, &doubtful.defect));
+  for (PetscInt i = 0; i < band->n_nodes; i++)
+    doubtful.defect[i] = (ResidualDefect){.size = 2.0 * band->defect[i].size, .slip = 2.0 * band->defect[i].slip};
+  PetscCall(residual_truncated(band->residual, band->model, cut, w, band->weight, band->Phi, more[0], more[1]));
+  PetscCall(largest_energy(&doubtful, w, more, &largest, &slip));
+  *bound = PETSC_SQRT2 * largest + slip;
+  PetscCall(PetscFree3(more[0], more[1], doubtful.defect));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode bound_at(const Certificate *band, const TruncatedModel *cut, PetscReal w, PetscReal *bound)
 {
   PetscReal largest, slip = 0.0, truncated = 0.0, norm;
 
   PetscFunctionBeginUser;
-  PetscCall(largest_energy(band, w, &largest, &slip));
-  if (last != band->model) PetscCall(transfer_norm(band, band->model, last, w, &truncated));
-  PetscCall(transfer_norm(band, last, NULL, w, &norm));
-  *bound = (PETSC_SQRT2 * largest + slip + truncated) / norm + ROUNDING;
+  PetscCall(weighted_factor(band, w));
+  PetscCall(largest_energy(band, w, NULL, &largest, &slip));
+  if (cut->last != band->model) PetscCall(transfer_norm(band, band->model, cut->last, w, &truncated));
+  PetscCall(transfer_norm(band, cut->last, NULL, w, &norm));
+  *bound = PETSC_SQRT2 * largest + slip + truncated;
+  if (cut->W && truncated > CANCELS * PETSC_SQRT2 * largest) {
+    PetscReal own = *bound;
+    PetscCall(own_bound(band, cut, w, &own));
+    *bound = PetscMin(*bound, own);
+  }
+  *bound = *bound / norm + ROUNDING;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* W = Q^T Q_last: both bases' coordinates are orthonormal. */
+static PetscErrorCode describe_cut(const Certificate *band, const ModalModel *last, TruncatedModel *cut)
+{
+  const ModalModel *model = band->model;
+
+  PetscFunctionBeginUser;
+  *cut = (TruncatedModel){.last = last};
+  if (last == model || band->p > MOST_INPUTS) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1((size_t)model->r * (size_t)last->r, &cut->W));
+  PetscCall(small_multiply('T', 'N', model->r, last->r, model->n_basis, 1.0, model->Q, last->Q, 0.0, cut->W));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -204,16 +247,19 @@ PetscErrorCode certificate_transfer_bounds(const Certificate *band, const ModalM
   const PetscReal ratio = band->w_last / band->w_first;
   const PetscInt gaps = PetscMax(1, (PetscInt)ceil(EVALUATIONS_PER_DECADE * log10(ratio) - 1e-9));
   PetscReal *w, *at, missed = 0.0;
+  TruncatedModel cut;
 
   PetscFunctionBeginUser;
+  PetscCall(describe_cut(band, last, &cut));
   *n = 2 * gaps + 1;
   PetscCall(PetscMalloc2((size_t)*n, &w, (size_t)*n, &at));
   for (PetscInt i = 0; i < *n; i++) {
     w[i] = i == *n - 1 ? band->w_last : band->w_first * pow(ratio, (double)i / (double)(*n - 1));
-    PetscCall(bound_at(band, last, w[i], &at[i]));
+    PetscCall(bound_at(band, &cut, w[i], &at[i]));
   }
   for (PetscInt i = 1; i < *n; i += 2) missed = PetscMax(missed, at[i] / sqrt(at[i - 1] * at[i + 1]) - 1.0);
   for (PetscInt i = 0; i < *n; i++) at[i] *= 1.0 + 0.5 * missed; // the gaps are half as wide now: a quarter would do
+  PetscCall(PetscFree(cut.W));
   *frequency = w;
   *bound = at;
   PetscFunctionReturn(PETSC_SUCCESS);

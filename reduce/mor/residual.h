@@ -45,6 +45,17 @@ PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basi
  * The solver takes the shift s. X: caller destroys; NULL where k = 0. */
 PetscErrorCode residual_directions(const Residual *residual, const ModalModel *model, ShiftedSolver *solver,
                                    PetscReal s, const PetscReal *weight, PetscReal least, Mat *X, PetscReal *largest);
+/* What a second stage has kept of `model`. */
+typedef struct TruncatedModel {
+  const ModalModel *last; // borrowed
+  PetscReal *W;           // [model->r x last->r] its states in those of `model`; owned
+} TruncatedModel;
+
+/* Its own residual is R_0 Psi and a part in the basis: R^H (w E + K)^-1 R = Psi^H G Psi + P + iS, columns scaled by
+ * weight. Psi[2], P, S  out, [p x p] */
+PetscErrorCode residual_truncated(const Residual *residual, const ModalModel *model, const TruncatedModel *cut,
+                                  PetscReal w, const PetscReal *weight, PetscReal *const Psi[2], PetscReal *P,
+                                  PetscReal *S);
 PetscErrorCode residual_destroy(Residual **residual);
 
 #endif
