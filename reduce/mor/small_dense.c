@@ -3,6 +3,7 @@
 #include <petscblaslapack.h>
 #include <slepcblaslapack.h>
 
+#include "reduce/collective.h"
 #include "reduce/petsc_compat.h"
 
 /* job 'V': with eigenvectors, 'N': without */
@@ -34,6 +35,7 @@ PetscErrorCode small_eigen(MPI_Comm comm, PetscInt n, PetscReal *A, PetscReal *w
   if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) PetscCall(eigen_here("V", n, A, w));
+  PetscCall(collective_wait(comm));
   PetscCallMPI(MPI_Bcast(w, (int)n, MPIU_REAL, 0, comm));
   for (PetscInt c = 0; c < n; c++) // by column: n * n may exceed what an int counts
     PetscCallMPI(MPI_Bcast(A + (size_t)c * (size_t)n, (int)n, MPIU_REAL, 0, comm));
@@ -75,6 +77,7 @@ PetscErrorCode small_hermitian_largest(MPI_Comm comm, PetscInt n, const PetscRea
     }
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) PetscCall(eigen_here("N", 2 * n, A, w));
+  PetscCall(collective_wait(comm));
   PetscCallMPI(MPI_Bcast(w, (int)twice, MPIU_REAL, 0, comm));
   *largest = w[twice - 1];
   PetscCall(PetscFree2(A, w));
