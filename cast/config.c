@@ -263,7 +263,7 @@ static CastStatus read_root(YamlInput *input, CastConfig *config, CastError *err
   CAST_CALL(config_read_contact(yaml_require(root, "contact"), config, err));
   read_coupling(yaml_get(root, "coupling"), config);
   CAST_CALL(config_read_walls(yaml_get(root, "walls"), config, err));
-  config_read_tension(yaml_get(root, "surface_tension"), config);
+  CAST_CALL(config_read_tension(yaml_get(root, "surface_tension"), config, err));
   read_sph(yaml_require(root, "sph"), config);
   read_time(yaml_require(root, "time"), config);
   CAST_CALL(config_read_features(yaml_get(root, "features"), config, err));
@@ -292,6 +292,7 @@ void cast_config_destroy(CastConfig **config)
   CastConfig *old = *config;
   material_destroy(&old->melt);
   contact_laws_destroy(&old->contact);
+  free(old->angle);
   drive_destroy(&old->drive);
   table_destroy(&old->gas.pressure);
   config_destroy_pour(old);

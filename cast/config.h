@@ -41,6 +41,11 @@ typedef struct CoolConfig { // the second stage: melt at rest
   double every, curves_every; // s between frames and between rows; 0: a row each step
 } CoolConfig;
 
+typedef struct SurfaceAngle {
+  char surface[ROM_NAME_LENGTH];
+  double contact_angle; // rad
+} SurfaceAngle;
+
 typedef struct CastConfig {
   char *title;
   char *rom_path;          // resolved against the input file's folder
@@ -61,7 +66,9 @@ typedef struct CastConfig {
   ContactLaws contact;
   CouplingParameters coupling; // .contact points to the laws above
   bool tension;                // surface tension acts
-  double contact_angle;        // rad
+  double contact_angle;        // rad, on all cavity surfaces but those below
+  size_t n_angles;
+  SurfaceAngle *angle; // [n_angles]
   double spacing;              // m
   KernelKind kernel;
   double smoothing;   // h/spacing

@@ -30,7 +30,7 @@ CastStatus config_read_features(YamlNode node, CastConfig *config, CastError *er
 void config_put_features(FILE *out, const CastConfig *config);
 void config_put_vector(FILE *out, const double v[3], const char *unit);
 /* After the melt. */
-void config_read_tension(YamlNode node, CastConfig *config);
+CastStatus config_read_tension(YamlNode node, CastConfig *config, CastError *err);
 void config_put_tension(FILE *out, const CastConfig *config);
 void config_put_text(FILE *out, const char *text); // quoted where YAML needs it
 

@@ -51,9 +51,7 @@ static CastStatus build(Sim *sim, CastError *err)
   CAST_CALL(sim_setup_geometry(sim, err));
   CAST_CALL(sim_setup_particles(sim, err));
   CAST_CALL(sim_gas_create(sim, err));
-  if (c->tension)
-    CAST_CALL(
-        tension_create(c->kernel, sim->sph.h, &c->melt.surface_tension_of_t, c->contact_angle, &sim->tension, err));
+  CAST_CALL(sim_tension_create(sim, err));
   CAST_CALL(rom_state_create(sim->rom, c->scheme, c->preheat, c->ambient, &sim->mould, err));
   CAST_CALL(set_walls(sim, err));
   CAST_CALL(neighbours_create(kernel_support(c->kernel) * sim->sph.h, neighbours_skin(c->spacing), sim->surface,

@@ -110,6 +110,10 @@ void sim_gas_push(Sim *sim, double time); // after sph_rates
  * farthest wall of the cavity, at any time of the filling. */
 double sim_drive_gain(const Sim *sim);
 
+/* sim_tension.c */
+CastStatus sim_tension_create(Sim *sim, CastError *err);
+void sim_tension_report(const Sim *sim);
+
 /* sim_pour.c */
 CastStatus sim_pour_create(Sim *sim, CastError *err);
 CastStatus sim_pour_add_buffers(Sim *sim, PointSet *points, CastError *err); // behind the points there; and ids

@@ -92,20 +92,6 @@ static void report_forces(const Sim *sim)
              drive->tilt_axis[2]);
 }
 
-static void report_tension(const Sim *sim)
-{
-  const CastConfig *c = sim->config;
-  if (!c->tension) return;
-  const double sigma = table_evaluate(&c->melt.surface_tension_of_t, c->melt_temperature);
-  const double back = -2.0 * sigma * cos(c->contact_angle) / sim->gap;
-  log_info(sim->log, "tension   %.3g N/m, contact angle %.4g deg: %s %.3g kPa in a slot as wide as the thinnest gap",
-           sigma, c->contact_angle * 180.0 / pair_pi, back > 0.0 ? "holds back" : "draws in with", 1e-3 * fabs(back));
-  if (back > 0.0)
-    log_warn(sim->log,
-             "walls hold melt back less in the simulation (rows C2 of docs/validation.md): compare that pressure with "
-             "what drives the melt");
-}
-
 static void report_steps(const Sim *sim)
 {
   const CastConfig *c = sim->config;
@@ -149,7 +135,7 @@ CastStatus sim_report(Sim *sim, CastError *err)
   sim_pour_report(sim);
   report_volumes(sim);
   report_forces(sim);
-  report_tension(sim);
+  sim_tension_report(sim);
   report_steps(sim);
   report_stages(sim);
   return sim_check_inside(sim, err);

@@ -3,7 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "cast/mould/cavity_patches.h"
 
 double contact_law_at(const ContactLaw *law, const Material *melt, double T)
 {
@@ -43,38 +44,31 @@ static CastStatus check_law(const ContactLaw *law, const Material *melt, const c
   return CAST_OK;
 }
 
-static CastStatus no_such_surface(const RomData *rom, const char *name, CastError *err)
+/* surface[l]: index into `laws` of patch l, or -1 */
+static CastStatus find_surfaces(const ContactLaws *laws, const RomData *rom, int32_t *surface, CastError *err)
 {
-  char known[512] = "";
-  for (size_t l = 0; l < rom->m; l++) {
-    const RomPatch *patch = &rom->patch[l];
-    if (patch->outer || (l > 0 && strcmp(patch->surface, rom->patch[l - 1].surface) == 0)) continue;
-    const size_t used = strlen(known);
-    snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", patch->surface);
-  }
-  return cast_error_set(err, CAST_ERR_INPUT, "contact.surfaces: the mould has no cavity surface '%s', it has: %s", name,
-                        known);
+  for (size_t l = 0; l < rom->m; l++) surface[l] = -1;
+  for (size_t k = 0; k < laws->n; k++)
+    CAST_CALL(cavity_patches_set(rom, "contact.surfaces", laws->surface[k].surface, (int32_t)k, surface, err));
+  return CAST_OK;
 }
 
 CastStatus contact_laws_by_patch(const ContactLaws *laws, const RomData *rom, const Material *melt,
                                  const ContactLaw **law, CastError *err)
 {
   CAST_CALL(check_law(&laws->elsewhere, melt, "", err));
-  for (size_t l = 0; l < rom->m; l++) law[l] = &laws->elsewhere;
   for (size_t k = 0; k < laws->n; k++) {
-    const SurfaceContact *contact = &laws->surface[k];
     char where[ROM_NAME_LENGTH + 8];
-    snprintf(where, sizeof where, " of '%s'", contact->surface);
-    CAST_CALL(check_law(&contact->law, melt, where, err));
-    size_t found = 0;
-    for (size_t l = 0; l < rom->m; l++) {
-      if (rom->patch[l].outer || strcmp(rom->patch[l].surface, contact->surface) != 0) continue;
-      law[l] = &contact->law;
-      found++;
-    }
-    if (found == 0) return no_such_surface(rom, contact->surface, err);
+    snprintf(where, sizeof where, " of '%s'", laws->surface[k].surface);
+    CAST_CALL(check_law(&laws->surface[k].law, melt, where, err));
   }
-  return CAST_OK;
+  int32_t *surface = malloc((rom->m ? rom->m : 1) * sizeof *surface);
+  CAST_CHECK(surface, err, CAST_ERR_MEMORY, "no memory for the contacts of %zu patches", rom->m);
+  const CastStatus status = find_surfaces(laws, rom, surface, err);
+  for (size_t l = 0; l < rom->m && status == CAST_OK; l++)
+    law[l] = surface[l] < 0 ? &laws->elsewhere : &laws->surface[surface[l]].law;
+  free(surface);
+  return status;
 }
 
 void contact_laws_destroy(ContactLaws *laws)

@@ -35,7 +35,7 @@ double contact_laws_most(const ContactLaws *laws);
  * too: melt may stand on the rim).
  *   law  [rom->m]
  * Errors: CAST_ERR_INPUT for a surface that the ROM does not have, or that is no cavity surface, for an h that is not
- * above zero, for a law of the solid fraction where the melt has none. */
+ * above zero, for a law of the solid fraction where the melt has none; CAST_ERR_MEMORY. */
 CastStatus contact_laws_by_patch(const ContactLaws *laws, const RomData *rom, const Material *melt,
                                  const ContactLaw **law, CastError *err);
 void contact_laws_destroy(ContactLaws *laws); // what it owns, not the struct

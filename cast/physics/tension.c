@@ -18,7 +18,13 @@ static const double most_across = 0.99; // of the normal across the wall
 static const double least_height = 0.1; // h, above a wall: nearer, noise of the normal would be all there is
 static const double least_open = 0.3;   // what divides the fill; a particle on a wall has 0.5
 
+typedef struct Angle { // at which melt meets walls
+  double cos_theta, sin_theta;
+  Wedge *wedge;
+} Angle;
+
 typedef struct Near { // of one particle
+  const Angle *angle; // of the wall nearest to it
   double normal[3];   // unit, into the melt
   double melt[3];     // 1/m, gradient of what melt fills
   double wall[3];     // 1/m, gradient of what walls fill
@@ -33,12 +39,14 @@ struct Tension {
   KernelKind kernel;
   double h, slope, value; // m, 1/m5, 1/m3
   const Table *sigma;
-  double cos_theta, sin_theta, sigma_most;
+  double sigma_most;
   double flat;                        // 1/m, gradient at a flat surface
   double radius;                      // m, mean radius of the kernel
   double depth;                       // m, mean depth of particles whose curvature is measured
   double shares[SHARES], shares_step; // share of a flat surface's particles over depth, m
-  Wedge *wedge;
+  Angle *angle;                       // [n_angles], the first on all patches but those below
+  size_t n_angles, n_patches;
+  const Angle **of_patch; // [n_patches]; NULL: one angle for all
   Near *near;
   ptrdiff_t capacity;
 };
@@ -76,6 +84,21 @@ static void set_constants(Tension *t)
     t->shares[k] = interface_share(flat_gradient(t, (k + 0.5) * t->shares_step) / t->flat, surface_low);
 }
 
+/* Behind those there are. */
+static CastStatus add_angles(Tension *t, size_t n, const double *theta, CastError *err)
+{
+  Angle *more = realloc(t->angle, (t->n_angles + n) * sizeof *more);
+  CAST_CHECK(more, err, CAST_ERR_MEMORY, "no memory for %zu contact angles", t->n_angles + n);
+  t->angle = more;
+  for (size_t k = 0; k < n; k++) {
+    Angle *angle = &t->angle[t->n_angles];
+    *angle = (Angle){.cos_theta = cos(theta[k]), .sin_theta = sin(theta[k])};
+    CAST_CALL(wedge_create(t->kernel, theta[k], &angle->wedge, err));
+    t->n_angles++;
+  }
+  return CAST_OK;
+}
+
 CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, double contact_angle, Tension **tension,
                           CastError *err)
 {
@@ -86,18 +109,29 @@ CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, doubl
   t->slope = shape_norm(kernel) / (h * h * h * h * h);
   t->value = shape_norm(kernel) / (h * h * h);
   t->sigma = sigma;
-  t->cos_theta = cos(contact_angle);
-  t->sin_theta = sin(contact_angle);
   for (size_t k = 0; k < sigma->n; k++) t->sigma_most = fmax(t->sigma_most, sigma->y[k]);
   set_constants(t);
-  return wedge_create(kernel, contact_angle, &t->wedge, err);
+  return add_angles(t, 1, &contact_angle, err);
+}
+
+CastStatus tension_set_angles(Tension *t, size_t n, const double *angle, size_t patches, const int32_t *of_patch,
+                              CastError *err)
+{
+  CAST_CALL(add_angles(t, n, angle, err));
+  t->of_patch = calloc(patches ? patches : 1, sizeof *t->of_patch);
+  CAST_CHECK(t->of_patch, err, CAST_ERR_MEMORY, "no memory for the contact angles of %zu patches", patches);
+  t->n_patches = patches;
+  for (size_t l = 0; l < patches; l++) t->of_patch[l] = &t->angle[of_patch[l] + 1];
+  return CAST_OK;
 }
 
 void tension_destroy(Tension **tension)
 {
   if (!tension || !*tension) return;
+  for (size_t k = 0; k < (*tension)->n_angles; k++) wedge_destroy(&(*tension)->angle[k].wedge);
+  free((*tension)->angle);
+  free((*tension)->of_patch);
   free((*tension)->near);
-  wedge_destroy(&(*tension)->wedge);
   free(*tension);
   *tension = NULL;
 }
@@ -143,6 +177,29 @@ static void add_fill(const Pass *s, ptrdiff_t i, const PairList *list, double *f
   }
 }
 
+/* The angle at the wall particle whose foot is nearest to particle i. */
+static const Angle *nearest_angle(const Pass *s, ptrdiff_t i)
+{
+  const Tension *t = s->t;
+  const Particles *p = s->p;
+  const Angle *angle = t->angle;
+  double least = INFINITY;
+  if (!t->of_patch) return angle;
+  for (ptrdiff_t k = s->wall->start[i]; k < s->wall->start[i + 1]; k++) {
+    const ptrdiff_t w = s->wall->index[k] - p->n_fluid;
+    double r2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+      const double d = particles_image(p->x[a][i] - p->foot[a][w], s->period[a]);
+      r2 += d * d;
+    }
+    if (r2 >= least) continue;
+    const size_t l = (size_t)p->patch[w];
+    least = r2;
+    angle = l < t->n_patches ? t->of_patch[l] : t->angle;
+  }
+  return angle;
+}
+
 /* Unit, away from the wall; false where there is none. */
 static bool wall_normal(const Near *n, double flat, double away[3])
 {
@@ -164,7 +221,7 @@ static double see_behind_wall(const Tension *t, Near *n, double part)
 {
   double away[3], along[3];
   if (!wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return 1.0;
-  const WedgePlace at = wedge_look(t->wedge, n->walls, part);
+  const WedgePlace at = wedge_look(n->angle->wedge, n->walls, part);
   const double across = fmax(-most_across, fmin(most_across, vec_dot(n->normal, away) + at.lean)),
                beside = sqrt(1.0 - across * across);
   for (int a = 0; a < 3; a++) n->normal[a] = across * away[a] + beside * along[a];
@@ -178,7 +235,7 @@ static void find_normal(const Pass *s, ptrdiff_t i)
   const Tension *t = s->t;
   Near *n = &t->near[i];
   double fill = s->p->volume[i] * t->value * shape_value(t->kernel, 0.0), gradient[3] = {0};
-  *n = (Near){.share = 0.0};
+  *n = (Near){.angle = nearest_angle(s, i)};
   add_fill(s, i, s->fluid, &fill, gradient);
   vec_copy(gradient, n->melt);
   add_fill(s, i, s->wall, &n->walls, n->wall);
@@ -196,10 +253,11 @@ static void add_wall(const Pass *s, ptrdiff_t i, InterfaceSums *sums)
 {
   const Tension *t = s->t;
   const Near *n = &t->near[i];
+  const Angle *angle = n->angle;
   double away[3], along[3], line[3], turn[3]; // turn: of the normal from the wall to particle i
   if (n->height <= 0.0 || !wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return;
   vec_cross(away, along, line);
-  for (int a = 0; a < 3; a++) turn[a] = n->normal[a] + t->cos_theta * away[a] - t->sin_theta * along[a];
+  for (int a = 0; a < 3; a++) turn[a] = n->normal[a] + angle->cos_theta * away[a] - angle->sin_theta * along[a];
   for (ptrdiff_t k = s->wall->start[i]; k < s->wall->start[i + 1]; k++) {
     const int32_t j = s->wall->index[k];
     double d[3];

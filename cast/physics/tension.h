@@ -19,6 +19,12 @@ typedef struct Tension Tension;
 CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, double contact_angle, Tension **tension,
                           CastError *err);
 void tension_destroy(Tension **tension);
+/* Other contact angles on some of the walls. A particle at a wall takes the angle of that wall particle's patch whose
+ * foot, its place on the mould's surface, is nearest to it.
+ *   angle  [n] rad, in the melt;  of_patch  [patches] into `angle`, or -1: the angle of tension_create
+ * Patches beyond those given have the angle of tension_create. Errors: CAST_ERR_MEMORY. */
+CastStatus tension_set_angles(Tension *tension, size_t n, const double *angle, size_t patches, const int32_t *of_patch,
+                              CastError *err);
 /* Add to the accelerations of the fluid. Call after sph_rates. Errors: CAST_ERR_MEMORY. */
 CastStatus tension_push(Tension *tension, Particles *particles, const Neighbours *neighbours, CastError *err);
 /* s, of a capillary wave as short as h: 0.25 sqrt(rho h^3/(2 pi sigma))            (Brackbill, Kothe & Zemach 1992) */

@@ -51,7 +51,7 @@ static const char EVERYTHING[] =
     "  acceleration: [0 m/s^2, 33.3 m/s^2, 0 m/s^2]\n"
     "contact: { perfect: true }\n"
     "coupling: { kind: embedded, mould: frozen }\n"
-    "surface_tension: { contact_angle: 101.3 deg }\n"
+    "surface_tension: { contact_angle: 101.3 deg, surfaces: { disc: { contact_angle: 60.6 deg } } }\n"
     "sph:\n"
     "  spacing: 0.3 mm\n"
     "  kernel: quintic-spline\n"
@@ -243,6 +243,13 @@ static void the_resolved_input_reads_again_to_the_same_bits(void **state)
     assert_int_equal(first->tension, second->tension);
     assert_int_equal(first->tension, k == 1);
     assert_true(k == 0 || first->contact_angle == second->contact_angle);
+    assert_int_equal(first->n_angles, k == 1 ? 1 : 0);
+    assert_int_equal(second->n_angles, first->n_angles);
+    if (first->n_angles) {
+      assert_string_equal(second->angle->surface, "disc");
+      assert_close(first->angle->contact_angle, 60.6 * 3.14159265358979323846 / 180.0, 1e-14);
+      assert_true(first->angle->contact_angle == second->angle->contact_angle);
+    }
     assert_int_equal(first->has_level, second->has_level);
     assert_int_equal(first->output.mould_fields, second->output.mould_fields);
     assert_string_equal(first->melt.name, second->melt.name);

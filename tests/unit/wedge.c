@@ -141,11 +141,81 @@ static void a_meniscus_of_the_contact_angle_pushes_with_its_curvature(void **unu
   }
 }
 
+/* Melt with flat surfaces between walls along y, of patch 0 at the low end and patch 1 at the high one: its
+ * accelerations where melt meets patch 1, and patch 0, at these angles. Lattice order.   a  [12 * wide * 12][3] */
+static void push_between(int wide, double low, double high, double (*a)[3])
+{
+  const double dx = 1.0 / wide, at = 0.0, one = 1.0, low_angle = low * pair_pi / 180.0;
+  const int32_t of_patch[] = {0};
+  CastError err = {0};
+  Table sigma;
+  Tension *tension;
+  LatticeTank tank = {
+      .fluid = {12, wide, 12},
+      .box = {12, wide, 60},
+      .low = {false, true, false},
+      .high = {false, true, false},
+      .layers = 3,
+      .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.5 * dx, .spacing = dx, .rho0 = 1.0, .c0 = 30.0, .gamma = 7.0}};
+  lattice_tank_create(&tank);
+  Particles *p = &tank.particles;
+  for (ptrdiff_t k = 0; k < p->n - p->n_fluid; k++) p->patch[k] = p->foot[1][k] > 0.5;
+  sph_initialise(&tank.sph, p);
+  ok(neighbours_update(tank.neighbours, p, true, NULL, &err), &err);
+  ok(table_create(1, &at, &one, &sigma, &err), &err);
+  ok(tension_create(tank.sph.kernel, tank.sph.h, &sigma, high * pair_pi / 180.0, &tension, &err), &err);
+  if (low != high) ok(tension_set_angles(tension, 1, &low_angle, 1, of_patch, &err), &err);
+  for (int d = 0; d < 3; d++)
+    for (ptrdiff_t i = 0; i < p->n_fluid; i++) p->a[d][i] = 0.0;
+  ok(tension_push(tension, p, tank.neighbours, &err), &err);
+  for (ptrdiff_t i = 0; i < p->n_fluid; i++)
+    for (int d = 0; d < 3; d++) a[p->id[i]][d] = p->a[d][i];
+  tension_destroy(&tension);
+  table_destroy(&sigma);
+  lattice_tank_destroy(&tank);
+}
+
+enum { WIDE = 24, NARROW = 2, COLUMNS = 12 };
+
+static void each_wall_has_the_contact_angle_of_its_own_surface(void **unused)
+{
+  (void)unused;
+  static double both[COLUMNS * WIDE * COLUMNS][3], low[COLUMNS * WIDE * COLUMNS][3], high[COLUMNS * WIDE * COLUMNS][3];
+  double apart = 0.0;
+  push_between(WIDE, 60.0, 130.0, both);
+  push_between(WIDE, 60.0, 60.0, low);
+  push_between(WIDE, 130.0, 130.0, high);
+  // a wall is felt through three kernels of three spacings each, so each half as if both walls were its own
+  for (int i = 0; i < COLUMNS * WIDE * COLUMNS; i++)
+    for (int d = 0; d < 3; d++) {
+      const double alone = i / COLUMNS % WIDE < WIDE / 2 ? low[i][d] : high[i][d];
+      assert_true(both[i][d] == alone);
+      apart = fmax(apart, fabs(low[i][d] - high[i][d]));
+    }
+  assert_true(apart > 1.0); // sigma/(rho width^2)
+}
+
+/* Between walls so near that particles feel both the nearer one counts: melt rises at the wetted one and is held back
+ * at the other. */
+static void between_two_surfaces_the_nearest_counts(void **unused)
+{
+  (void)unused;
+  static double a[COLUMNS * NARROW * COLUMNS][3];
+  push_between(NARROW, 60.0, 130.0, a);
+  for (int x = 0; x < COLUMNS; x++) {
+    const int top = (COLUMNS - 1) * NARROW * COLUMNS + x;
+    assert_true(a[top][2] > a[top + COLUMNS][2]); // up along z: beside patch 0, beside patch 1
+    assert_true(a[x][2] < a[x + COLUMNS][2]);     // the other surface, below
+  }
+}
+
 int main(void)
 {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_surface_across_the_wall_lacks_nothing),
                                      cmocka_unit_test(a_surface_out_of_reach_of_walls_lacks_nothing),
                                      cmocka_unit_test(close_to_a_wall_a_normal_seen_leans_towards_it),
-                                     cmocka_unit_test(a_meniscus_of_the_contact_angle_pushes_with_its_curvature)};
+                                     cmocka_unit_test(a_meniscus_of_the_contact_angle_pushes_with_its_curvature),
+                                     cmocka_unit_test(each_wall_has_the_contact_angle_of_its_own_surface),
+                                     cmocka_unit_test(between_two_surfaces_the_nearest_counts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
