@@ -178,15 +178,24 @@ static double slot_pressure(int wide, double theta)
 static void a_slot_that_is_not_wetted_presses_back(void **unused)
 {
   (void)unused;
+  // Within the 15 % of the reference problem, or as far off as the row tells: four particles are too few, and with
+  // twelve the curvature of a surface that has moved far from its lattice is measured too large (docs/theory).
+  static const struct {
+    double theta, within;
+    int wide;
+  } cases[] = {{130.0, 0.15, 4}, {130.0, 0.15, 8}, {130.0, 0.30, 12}, {110.0, 0.25, 4},
+               {110.0, 0.15, 8}, {150.0, 0.25, 4}, {150.0, 0.15, 8}};
   validation_begin("C2");
-  for (int wide = 4; wide <= 8; wide += 4) {
-    const double start = validation_cpu_time(), pressure = slot_pressure(wide, 130.0);
-    validation_write(&(ValidationRow){"C2", "pressure that a slot holds back over -2 sigma cos(theta)/w, theta 130 deg",
-                                      "1", validation_text("%.2f", pressure),
-                                      validation_text("%.0f %%", 100.0 * fabs(pressure - 1.0)),
-                                      fabs(pressure - 1.0) < 0.15 ? "15 %" : "15 % (missed)",
-                                      validation_text("%d particles wide", wide), validation_cpu_time() - start});
-    assert_float_equal(pressure, 1.0, 0.15); // the target of the reference problem
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    const double start = validation_cpu_time(), pressure = slot_pressure(cases[k].wide, cases[k].theta);
+    validation_write(&(ValidationRow){
+        "C2",
+        validation_text("pressure that a slot holds back over -2 sigma cos(theta)/w, theta %.0f deg", cases[k].theta),
+        "1", validation_text("%.2f", pressure), validation_text("%.0f %%", 100.0 * fabs(pressure - 1.0)),
+        fabs(pressure - 1.0) < 0.15 ? "15 %" : "15 % (missed)", validation_text("%d particles wide", cases[k].wide),
+        validation_cpu_time() - start});
+    const double within = cases[k].within;
+    assert_float_equal(pressure, 1.0, within);
   }
 }
 
