@@ -161,7 +161,7 @@ static void lumping_costs_less_on_finer_patches(void **state)
                          .reference = "full model with the heat of each wall triangle",
                          .ours = "the same full model with the patches' heat",
                          .error = validation_text("%.3g %% of the largest rise of a patch", lumping[level]),
-                         .target = level == 0 ? "1 %" : "stated",
+                         .target = level > 0 ? "stated" : lumping[0] > 1.0 ? "1 % (missed)" : "1 %",
                          .resolution = "0.8 mm elements at the wall, particles 0.4 mm apart",
                          .cpu_seconds = children_cpu() - begin});
   }
