@@ -99,6 +99,25 @@ static PetscErrorCode mark_symmetric(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* PETSc hangs what it knows of each cell's geometry, 1.5 KB of it, on the list of cells that the depth label holds, and
+ * clones of the DM share the list: one of its own before integration and another one after let go of it. */
+static PetscErrorCode renew_cell_list(DM dm)
+{
+  DMLabel depth;
+  IS cells, copy;
+  PetscInt dim;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMGetDimension(dm, &dim));
+  PetscCall(DMPlexGetDepthLabel(dm, &depth));
+  PetscCall(DMLabelGetStratumIS(depth, dim, &cells));
+  PetscCall(ISDuplicate(cells, &copy));
+  PetscCall(ISDestroy(&cells));
+  PetscCall(DMLabelSetStratumIS(depth, dim, copy));
+  PetscCall(ISDestroy(&copy));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Volume integrals: E with the storage form alone, K with the conduction form alone. */
 static PetscErrorCode integrate_cells(DM dm, PetscDS ds, Mat E, Mat K)
 {
@@ -107,10 +126,12 @@ static PetscErrorCode integrate_cells(DM dm, PetscDS ds, Mat E, Mat K)
   PetscFunctionBeginUser;
   PetscCall(DMGetLocalVector(dm, &at)); // the forms are linear: the point of linearisation does not enter
   PetscCall(VecZeroEntries(at));
+  PetscCall(renew_cell_list(dm));
   PetscCall(conduction_forms_select(ds, PETSC_FALSE, PETSC_TRUE, 0.0));
   PetscCall(DMPlexSNESComputeJacobianFEM(dm, at, E, E, NULL));
   PetscCall(conduction_forms_select(ds, PETSC_TRUE, PETSC_FALSE, 0.0));
   PetscCall(DMPlexSNESComputeJacobianFEM(dm, at, K, K, NULL));
+  PetscCall(renew_cell_list(dm));
   PetscCall(DMRestoreLocalVector(dm, &at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
