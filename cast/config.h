@@ -59,9 +59,9 @@ typedef struct CastConfig {
   size_t n_inlets, n_outlets;
   InletConfig *inlet;
   OutletConfig *outlet;
-  bool has_level;                     // melt fills the cavity below this height at the start
-  double level;                       // m
-  Drive drive;                        // gravity, tilting, spinning
+  bool has_level; // melt fills the cavity below this height at the start
+  double level;   // m
+  Drive drive;    // gravity, tilting, spinning
   GasConfig gas;
   ContactLaws contact;
   CouplingParameters coupling; // .contact points to the laws above
@@ -69,7 +69,7 @@ typedef struct CastConfig {
   double contact_angle;        // rad, on all cavity surfaces but those below
   size_t n_angles;
   SurfaceAngle *angle; // [n_angles]
-  double spacing;              // m
+  double spacing;      // m
   KernelKind kernel;
   double smoothing;   // h/spacing
   double sound_speed; // m/s; 0: from the largest speed and pressure expected
