@@ -9,7 +9,10 @@ cd "$1"
 half_full() { awk -F 'mm3' -v name="$2" 'index($1, name) && !done { split($2, t, " "); print t[1]; done = 1 }' "$1/summary.txt"; }
 echo "| die | melt | front | flow length | Flemings | difference |"
 echo "|---|---|---|---|---|---|"
-awk -F, '/^run-/ { print $1 "," $2 "," $3 "," $6 }' study.csv | while IFS=, read -r run preheat melt filled; do
+awk -F, '/^run,/ { for (k = 1; k <= NF; k++) column[$k] = k }
+  /^run-/ && $column["outcome"] == "finished" {
+    print $1 "," $column["preheat"] "," $column["melt.temperature"] "," $column["filled"]
+  }' study.csv | while IFS=, read -r run preheat melt filled; do
   awk -v preheat="${preheat% degC}" -v melt="${melt% degC}" -v filled="$filled" \
     -v low="$(half_full "$run" 'rise 3 to 4 mm')" -v high="$(half_full "$run" 'rise 6 to 7 mm')" 'BEGIN {
     a = 0.25e-3; rho = 2400; c = 1190; latent = 389e3; liquidus = 615; range = 60; k = 0.25     # A356, 1 x 1 mm
