@@ -1,5 +1,6 @@
 #include "tests/support/lattice_tank.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,6 +13,37 @@ static bool inside(const LatticeTank *tank, const int at[3])
   for (int d = 0; d < 3; d++)
     if (at[d] < 0 || at[d] >= tank->box[d]) return false;
   return true;
+}
+
+static bool in_block(const LatticeTank *tank, const int at[3])
+{
+  for (int d = 0; d < 3; d++)
+    if (at[d] < tank->block_low[d] || at[d] >= tank->block_high[d]) return false;
+  return true;
+}
+
+/* Foot of a cell's wall particle at x on the inside of the box, or on that face of the block within the box which is
+ * nearest. */
+static void find_foot(const LatticeTank *tank, const int at[3], const double x[3], double foot[3])
+{
+  const double dx = tank->sph.spacing;
+  if (!inside(tank, at)) {
+    for (int d = 0; d < 3; d++) foot[d] = fmax(0.0, fmin(tank->box[d] * dx, x[d]));
+    return;
+  }
+  double least = INFINITY;
+  int axis = 0;
+  double place = 0.0;
+  for (int d = 0; d < 3; d++) {
+    const int ends[] = {tank->block_low[d], tank->block_high[d]};
+    for (int k = 0; k < 2; k++) {
+      if (ends[k] == 0 || ends[k] == tank->box[d] || fabs(ends[k] * dx - x[d]) >= least) continue;
+      least = fabs(ends[k] * dx - x[d]);
+      axis = d;
+      place = ends[k] * dx;
+    }
+  }
+  for (int d = 0; d < 3; d++) foot[d] = d == axis ? place : x[d];
 }
 
 /* Every lattice place of the box and its walls in turn; returns false after the last. */
@@ -38,11 +70,13 @@ static void make_walls(const LatticeTank *tank, WallSet *walls)
   int at[3];
   for (int d = 0; d < 3; d++) at[d] = tank->low[d] ? -tank->layers : 0;
   do {
-    if (inside(tank, at)) continue;
+    if (inside(tank, at) && !in_block(tank, at)) continue;
+    const double x[3] = {(at[0] + 0.5) * dx, (at[1] + 0.5) * dx, (at[2] + 0.5) * dx};
+    double foot[3];
+    find_foot(tank, at, x, foot);
     for (int d = 0; d < 3; d++) {
-      const double x = (at[d] + 0.5) * dx, end = tank->box[d] * dx;
-      walls->x[d][walls->n] = x;
-      walls->foot[d][walls->n] = x < 0.0 ? 0.0 : x > end ? end : x;
+      walls->x[d][walls->n] = x[d];
+      walls->foot[d][walls->n] = foot[d];
     }
     walls->volume[walls->n] = dx * dx * dx;
     walls->n++;
@@ -54,16 +88,19 @@ void lattice_tank_create(LatticeTank *tank)
   CastError err = {0};
   WallSet walls = {0};
   const double dx = tank->sph.spacing;
-  const ptrdiff_t n = (ptrdiff_t)tank->fluid[0] * tank->fluid[1] * tank->fluid[2];
+  const ptrdiff_t most = (ptrdiff_t)tank->fluid[0] * tank->fluid[1] * tank->fluid[2];
+  ptrdiff_t n = 0;
   double *x[3], period[3];
   for (int d = 0; d < 3; d++) {
-    x[d] = malloc((size_t)n * sizeof *x[d]);
+    x[d] = malloc((size_t)most * sizeof *x[d]);
     period[d] = tank->low[d] || tank->high[d] ? 0.0 : tank->box[d] * dx;
   }
-  for (ptrdiff_t i = 0; i < n; i++) {
-    x[0][i] = ((double)(i % tank->fluid[0]) + 0.5) * dx;
-    x[1][i] = ((double)(i / tank->fluid[0] % tank->fluid[1]) + 0.5) * dx;
-    x[2][i] = ((double)(i / ((ptrdiff_t)tank->fluid[0] * tank->fluid[1])) + 0.5) * dx;
+  for (ptrdiff_t i = 0; i < most; i++) {
+    const int at[3] = {(int)(i % tank->fluid[0]), (int)(i / tank->fluid[0] % tank->fluid[1]),
+                       (int)(i / ((ptrdiff_t)tank->fluid[0] * tank->fluid[1]))};
+    if (in_block(tank, at)) continue;
+    for (int d = 0; d < 3; d++) x[d][n] = (at[d] + 0.5) * dx;
+    n++;
   }
   make_walls(tank, &walls);
   const double reach = kernel_support(tank->sph.kernel) * tank->sph.h;

@@ -6,10 +6,11 @@
 #include "cast/physics/sph.h"
 
 typedef struct LatticeTank {
-  int fluid[3];         // particles along each axis, from the corner
-  int box[3];           // cells of the box
-  bool low[3], high[3]; // is there a wall at that end of the axis? (an axis without walls is periodic)
-  int layers;           // of wall particles
+  int fluid[3];                    // particles along each axis, from the corner
+  int box[3];                      // cells of the box
+  bool low[3], high[3];            // is there a wall at that end of the axis? (an axis without walls is periodic)
+  int block_low[3], block_high[3]; // cells of a block of wall inside the box, without the high end (none: all zero)
+  int layers;                      // of wall particles
   SphParameters sph;
   Particles particles;
   Neighbours *neighbours;

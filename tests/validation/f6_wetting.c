@@ -10,71 +10,8 @@
 #include <cmocka.h>
 
 #include "cast/kernel/pair.h"
-#include "cast/physics/tension.h"
-#include "tests/support/lattice_tank.h"
 #include "tests/support/validation.h"
-
-typedef struct Wet {
-  LatticeTank tank;
-  Tension *tension;
-  Table sigma;
-} Wet;
-
-static void ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
-
-static void find_rates(Wet *wet, bool first)
-{
-  CastError err = {0};
-  ok(neighbours_update(wet->tank.neighbours, &wet->tank.particles, first, NULL, &err), &err);
-  sph_rates(&wet->tank.sph, &wet->tank.particles, wet->tank.neighbours);
-  ok(tension_push(wet->tension, &wet->tank.particles, wet->tank.neighbours, &err), &err);
-}
-
-static void begin(Wet *wet, double mu, double theta)
-{
-  const double at = 0.0, one = 1.0;
-  CastError err = {0};
-  lattice_tank_create(&wet->tank);
-  for (ptrdiff_t i = 0; i < wet->tank.particles.n_fluid; i++) wet->tank.particles.mu[i] = mu;
-  ok(table_create(1, &at, &one, &wet->sigma, &err), &err);
-  ok(tension_create(wet->tank.sph.kernel, wet->tank.sph.h, &wet->sigma, theta * pair_pi / 180.0, &wet->tension, &err),
-     &err);
-  sph_initialise(&wet->tank.sph, &wet->tank.particles);
-  find_rates(wet, true);
-}
-
-static void step(Wet *wet)
-{
-  CastError err = {0};
-  LatticeTank *tank = &wet->tank;
-  const double dt = fmin(sph_time_step(&tank->sph, &tank->particles).step, tension_step(wet->tension, 1.0));
-  ok(sph_drift(&tank->sph, &tank->particles, NULL, dt, NULL, &err), &err);
-  find_rates(wet, false);
-  ok(sph_finish(&tank->sph, &tank->particles, dt, &err), &err);
-  tank->time += dt;
-}
-
-static void end(Wet *wet)
-{
-  tension_destroy(&wet->tension);
-  table_destroy(&wet->sigma);
-  lattice_tank_destroy(&wet->tank);
-}
-
-static SphParameters parameters(double dx, double c0)
-{
-  return (SphParameters){.kernel = KERNEL_WENDLAND_C2,
-                         .h = 1.5 * dx,
-                         .spacing = dx,
-                         .rho0 = 1.0,
-                         .c0 = c0,
-                         .gamma = 7.0,
-                         .delta = 0.1,
-                         .alpha = 0.02};
-}
+#include "tests/support/wet_tank.h"
 
 /* ---- sessile drops ---- */
 
@@ -102,16 +39,16 @@ static double angle_of_height(double height)
 static double sessile_angle(int n, double theta, double from, double until)
 {
   const double dx = cbrt(4.0 * pair_pi / 3.0 / (4.0 * n * n * n)); // volume 4 pi/3
-  Wet wet = {.tank = {.fluid = {2 * n, 2 * n, n},
-                      .box = {5 * n, 5 * n, 4 * n},
-                      .low = {false, false, true},
-                      .layers = 3,
-                      .sph = parameters(dx, 20.0)}};
-  begin(&wet, 0.4, theta);
+  WetTank wet = {.tank = {.fluid = {2 * n, 2 * n, n},
+                          .box = {5 * n, 5 * n, 4 * n},
+                          .low = {false, false, true},
+                          .layers = 3,
+                          .sph = wet_parameters(dx, 20.0)}};
+  wet_tank_begin(&wet, 0.4, theta);
   double sum = 0.0, weight = 0.0;
   while (wet.tank.time < until) {
     const double before = wet.tank.time;
-    step(&wet);
+    wet_tank_step(&wet);
     if (before < from) continue;
     const Particles *p = &wet.tank.particles;
     double height = 0.0;
@@ -119,7 +56,7 @@ static double sessile_angle(int n, double theta, double from, double until)
     sum += angle_of_height(height) * (wet.tank.time - before);
     weight += wet.tank.time - before;
   }
-  end(&wet);
+  wet_tank_end(&wet);
   return sum / weight;
 }
 
@@ -149,17 +86,17 @@ static double slot_pressure(int wide, double theta)
 {
   const int deep = 2 * wide;
   const double dx = 1.0 / wide;
-  Wet wet = {.tank = {.fluid = {12, wide, deep},
-                      .box = {12, wide, deep + 2 * wide},
-                      .low = {false, true, true},
-                      .high = {false, true, false},
-                      .layers = 3,
-                      .sph = parameters(dx, 30.0)}};
-  begin(&wet, 0.3, theta);
+  WetTank wet = {.tank = {.fluid = {12, wide, deep},
+                          .box = {12, wide, deep + 2 * wide},
+                          .low = {false, true, true},
+                          .high = {false, true, false},
+                          .layers = 3,
+                          .sph = wet_parameters(dx, 30.0)}};
+  wet_tank_begin(&wet, 0.3, theta);
   double sum = 0.0, weight = 0.0;
   while (wet.tank.time < 2.0) {
     const double before = wet.tank.time;
-    step(&wet);
+    wet_tank_step(&wet);
     if (before < 0.8) continue;
     const Particles *p = &wet.tank.particles;
     double pressure = 0.0, inside = 0.0;
@@ -171,7 +108,7 @@ static double slot_pressure(int wide, double theta)
     sum += pressure / inside * (wet.tank.time - before);
     weight += wet.tank.time - before;
   }
-  end(&wet);
+  wet_tank_end(&wet);
   return sum / weight / (2.0 * fabs(cos(theta * pair_pi / 180.0)));
 }
 
@@ -203,6 +140,7 @@ int main(void)
 {
   omp_set_num_threads(1);
   const struct CMUnitTest tests[] = {cmocka_unit_test(drops_take_their_contact_angle),
+
                                      cmocka_unit_test(a_slot_that_is_not_wetted_presses_back)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
