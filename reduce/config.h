@@ -123,7 +123,8 @@ void reduce_config_destroy(ReduceConfig **config);
 /* Everything as it was understood, in SI, one setting a line. */
 void reduce_config_print(const ReduceConfig *config, FILE *out);
 const char *reduce_config_method(ReductionMethod method); // "rational" and so on
-double reduce_config_solver_rtol(double tolerance);       // of a basis' solves, where the input gives none
+/* Of a basis' solves, where the input gives none; iterative: no factor may be made. */
+double reduce_config_solver_rtol(double tolerance, bool iterative);
 /* A named surface by its index: the cavity's come first, then the outer ones. */
 const char *reduce_config_surface_name(const ReduceConfig *config, size_t surface);
 

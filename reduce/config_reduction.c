@@ -49,10 +49,11 @@ const char *reduce_config_method(ReductionMethod method)
 }
 
 /* A basis need only be much better than the model made of it; but what its solves leave over the certificate has to add,
- * and with more than this it may be more than the model's own error where that is far below the tolerance. */
-double reduce_config_solver_rtol(double tolerance)
+ * and with more than this it may be more than the model's own error where that is far below the tolerance. Where
+ * iterations do not get there a factor is made; without one, rounding limits what can be asked for. */
+double reduce_config_solver_rtol(double tolerance, bool iterative)
 {
-  return fmin(1e-5 * tolerance, 1e-6);
+  return fmin((iterative ? 1e-5 : 1e-6) * tolerance, 1e-6);
 }
 
 /* The settings of the methods; those of the others are refused. */
@@ -89,7 +90,7 @@ CastStatus config_read_reduction(YamlNode reduction, ReductionConfig *config, Ca
   if (!config->second_stage && yaml_exists(early)) yaml_problem(early, "there is no second stage");
   config->early_weight = yaml_quantity(early, "1", (YamlRange){0.0, 0.9, false}, 0.4);
   const bool arnoldi = config->method == REDUCTION_ARNOLDI; // whose moments build on one another: they must be exact
-  const double rtol = arnoldi ? 1e-12 : reduce_config_solver_rtol(config->tolerance);
+  const double rtol = arnoldi ? 1e-12 : reduce_config_solver_rtol(config->tolerance, config->iterative);
   config->solver_rtol = yaml_quantity(yaml_get(reduction, "solver_tolerance"), "1", (YamlRange){0.0, 0.1, true}, rtol);
   const YamlNode basis = yaml_get(reduction, "basis");
   if (config->method != REDUCTION_RATIONAL) refuse(basis, METHODS[config->method]);

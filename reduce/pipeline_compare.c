@@ -94,7 +94,7 @@ static PetscErrorCode compare_rational(Pipeline *pipeline, Comparison *compariso
   PetscFunctionBeginUser;
   if (config.method != REDUCTION_RATIONAL) {
     config.n_shifts = 0;
-    config.solver_rtol = reduce_config_solver_rtol(config.tolerance);
+    config.solver_rtol = reduce_config_solver_rtol(config.tolerance, config.iterative);
     config.early_weight = 0.4;
   }
   config.method = REDUCTION_RATIONAL;

@@ -3,8 +3,12 @@
 #define REDUCE_MOR_CERTIFICATE_H
 
 #include "reduce/mor/residual.h"
+#include "reduce/mor/step_reference.h"
 
 typedef struct Certificate Certificate;
+
+/* With more inputs the error's model (error_model.h), one state an input and decade, costs more than it is worth. */
+enum { CERTIFICATE_MOST_PORTS = 256 };
 
 /* What the bounds need of the full model: a preconditioner and p solves at about one rate a decade of the band
  * w_first to w_last, rad/s, while the basis is there. model: of the basis as it stands; borrowed for the certificate's
@@ -18,6 +22,11 @@ PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *mo
  *   frequency, bound [n]  out: one PetscMalloc2; free with PetscFree2(frequency, bound) */
 PetscErrorCode certificate_transfer_bounds(const Certificate *certificate, const ModalModel *last, PetscInt *n,
                                            PetscReal **frequency, PetscReal **bound);
+/* The full model's step responses: those of the model, and what they lack (error_model.h). The reference's own error
+ * is what every other rate of the certificate would have made of it. At most CERTIFICATE_MOST_PORTS inputs. */
+PetscErrorCode certificate_correct(const Certificate *certificate, StepReference *reference);
+/* Of the basis and the model that the certificate was created with; borrowed. */
+const Residual *certificate_get_residual(const Certificate *certificate);
 PetscErrorCode certificate_destroy(Certificate **certificate);
 
 #endif

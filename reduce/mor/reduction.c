@@ -1,7 +1,7 @@
 /* reduction.c
  * Method: block rational Krylov with real shifts, Galerkin projection in the E inner product. Each shift's
  * preconditioner serves the block of all inputs and, where it falls on one of the reference's poles, the full model's
- * step responses; the tolerance is judged against those alone.
+ * step responses; the tolerance is judged against those alone (reduction_judge.c).
  * References: Ruhe 1984, Linear Algebra Appl. 58, 391; Odabasioglu, Celik & Pileggi 1998, IEEE Trans. CAD 17, 645
  * (block Arnoldi, passivity by congruence). */
 #include "reduce/mor/reduction.h"
@@ -12,16 +12,13 @@
 #include "reduce/mor/modes.h"
 #include "reduce/petsc_compat.h"
 
-static const PetscReal REFERENCE_SHARE = 0.01;  // of the tolerance: the reference's own error
-static const PetscReal FIRST_STAGE_SHARE = 0.6; // of the tolerance, where a second stage follows
-static const PetscReal MODES_RTOL = 1e-11;      // what shift-and-invert Lanczos needs inside
-static const PetscReal STORED_RTOL = 1e-12;     // moments build on one another
+static const PetscReal MODES_RTOL = 1e-11;  // what shift-and-invert Lanczos needs inside
+static const PetscReal STORED_RTOL = 1e-12; // moments build on one another
 /* Of what is allowed: smaller errors bring no vector. A second stage makes its own choice, and needs the rest small:
  * its error comes on top, and the certificate cannot know that the two cancel. */
 static const PetscReal DIRECTION_SHARE = 0.25, DIRECTION_SHARE_BEFORE_SECOND = 0.03;
 static const PetscReal WORTHWHILE = 0.7; // an added shift's directions bring the error down at least to this share
 static const PetscReal AMBIENT_H = 20.0; // W/(m2 K): gives the ambient port an area among the patches'
-static const PetscReal POLE_REACH = 2.2; // a shift within this ratio of a window's pole serves it
 
 PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log, Reduction **out)
 {
@@ -46,31 +43,6 @@ PetscErrorCode reduction_record_shift(Reduction *reduction, PetscReal s)
   PetscFunctionBeginUser;
   PetscCall(PetscRealloc((size_t)(reduction->n_shifts + 1) * sizeof(PetscReal), &reduction->shifts));
   reduction->shifts[reduction->n_shifts++] = s;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The reference's windows that the solver's present shift serves; every_one: whatever the shift. */
-PetscErrorCode reduction_solve_windows(Reduction *reduction, PetscBool rest)
-{
-  StepReference *reference = reduction->reference;
-  const ReductionConfig *config = reduction->config;
-  const double start = log_wall_time();
-
-  PetscFunctionBeginUser;
-  shifted_solver_set_tolerance(reduction->solver, PetscMin(reduction->rtol, 1e-3 * config->tolerance));
-  for (PetscInt w = 0; w < reference->n_windows; w++) {
-    if (reference->done[w]) continue;
-    if (rest)
-      PetscCall(shifted_solver_set_shift(reduction->solver, reference->pole[w],
-                                         REDUCTION_EXPECTED_STEPS * reference->n_inputs));
-    const PetscReal s = shifted_solver_get_shift(reduction->solver), ratio = reference->pole[w] / s;
-    if (s <= 0.0 || ratio > POLE_REACH || ratio < 1.0 / POLE_REACH) continue;
-    PetscCall(
-        step_reference_solve(reference, reduction->system, reduction->solver, w, REFERENCE_SHARE * config->tolerance));
-  }
-  shifted_solver_set_tolerance(reduction->solver, reduction->rtol);
-  if (rest) PetscCall(step_reference_finish(reference));
-  reduction->seconds_reference += log_wall_time() - start;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -154,8 +126,7 @@ static PetscErrorCode take_shift(Reduction *reduction, PetscReal s, PetscInt mom
   Mat X;
 
   PetscFunctionBeginUser;
-  PetscCall(shifted_solver_set_shift(
-      reduction->solver, s, moments * reduction->p + REDUCTION_EXPECTED_STEPS * reduction->reference->n_inputs));
+  PetscCall(shifted_solver_set_shift(reduction->solver, s, reduction_columns(reduction, moments)));
   PetscCall(reduction_record_shift(reduction, s));
   for (PetscInt k = 0; k < moments && kept > 0; k++) {
     const double begin = log_wall_time();
@@ -172,25 +143,6 @@ static PetscErrorCode take_shift(Reduction *reduction, PetscReal s, PetscInt mom
            (double)s, (int)(basis->r - before), (int)(moments * reduction->p), (int)basis->r, log_wall_time() - start,
            solving, shifted_solver_get_name(reduction->solver));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Modal form of the basis as it stands, and its error. */
-PetscErrorCode reduction_judge(Reduction *reduction, PetscReal *error)
-{
-  const KrylovBasis *basis = reduction->basis;
-
-  PetscFunctionBeginUser;
-  PetscCall(modal_model_destroy(&reduction->modal));
-  PetscCall(modal_model_create(PetscObjectComm((PetscObject)reduction->system->E), basis->r, reduction->p, basis->K,
-                               basis->capacity, basis->inputs, basis->constant, reduction->system->singular,
-                               &reduction->modal));
-  PetscCall(step_reference_compare(reduction->reference, reduction->modal, error, &reduction->step_error));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscReal reduction_first_stage_target(const ReductionConfig *config)
-{
-  return config->tolerance * (config->second_stage ? FIRST_STAGE_SHARE : 1.0);
 }
 
 /* The largest error of H at the real rate s that the tolerance allows, in the weighted 2-norm. */
@@ -213,7 +165,7 @@ static PetscErrorCode take_directions(Reduction *reduction, PetscReal s, PetscIn
 {
   KrylovBasis *basis = reduction->basis;
   const double start = log_wall_time();
-  Residual *residual;
+  Residual *fresh = NULL;
   PetscReal *weight, largest;
   PetscInt k = 0, kept = 0;
   Mat X, block;
@@ -224,7 +176,8 @@ static PetscErrorCode take_directions(Reduction *reduction, PetscReal s, PetscIn
     weight[l] = l < reduction->system->m ? sqrt(reduction->system->area[l]) : 0.0;
   if (reduction->p > reduction->system->m) // the ambient acts on the outer walls: no area of its own
     weight[reduction->p - 1] = sqrt(reduction->ambient_sum / AMBIENT_H);
-  PetscCall(residual_create(basis, reduction->modal, &residual));
+  if (!reduction->certificate) PetscCall(residual_create(basis, reduction->modal, &fresh));
+  const Residual *residual = fresh ? fresh : certificate_get_residual(reduction->certificate);
   const PetscReal allowed = allowed_at(reduction, s, weight);
   const PetscReal share = reduction->config->second_stage ? DIRECTION_SHARE_BEFORE_SECOND : DIRECTION_SHARE;
   PetscCall(
@@ -244,7 +197,7 @@ static PetscErrorCode take_directions(Reduction *reduction, PetscReal s, PetscIn
       "all; %.1f s (%s)",
       (double)s, (double)(largest / allowed), (int)k, (int)reduction->p, (int)kept, (int)basis->r,
       log_wall_time() - start, shifted_solver_get_name(reduction->solver));
-  PetscCall(residual_destroy(&residual));
+  PetscCall(residual_destroy(&fresh));
   PetscCall(PetscFree(weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -318,7 +271,7 @@ PetscErrorCode reduction_run_rational(Reduction *reduction)
     PetscCall(reduction_solve_windows(reduction, PETSC_FALSE));
   }
   PetscCall(shifts_plan_destroy(&plan));
-  PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
+  if (!reduction_knows_missing(reduction)) PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
   PetscCall(add_shifts(reduction));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -26,14 +26,15 @@ typedef struct Reduction {
   Moments *moments;
   ModalModel *modal;        // of the basis as it stands, or what the second stage made of it
   ModalModel *projected;    // the same before the second stage; NULL without one
-  Certificate *certificate; // of the basis
+  Certificate *certificate; // of the basis and the modal model as they stand; NULL: not made
   PetscInt n_shifts;
   PetscReal *shifts; // [n_shifts] in the order taken, 1/s
+  PetscBool doubtful; // the residual was seen not to say what the reference is
   PetscInt moments_per_shift;
   PetscReal step_error;         // of the first stage, on the sampled inputs
   PetscReal second_stage_error; // what the second stage adds, on every input
   PetscReal second_stage_bound; // K/W, of the transfer function: a priori, or the largest difference found
-  double seconds_reference;
+  double seconds_certificate; // spent on it and on the reference so far
 } Reduction;
 
 PetscErrorCode reduction_create(const ThermalSystem *system, const ReductionConfig *config, Log *log,
@@ -50,13 +51,19 @@ PetscBool reduction_is_stored(const Reduction *reduction);
 PetscErrorCode reduction_plan_shifts(const Reduction *reduction, ShiftPlan *plan);
 PetscErrorCode reduction_record_shift(Reduction *reduction, PetscReal s);
 PetscErrorCode reduction_keep_moments(Reduction *reduction, Mat X);
+enum { REDUCTION_MOST_ADDED_SHIFTS = 12 };
+/* Does the residual say what the full model's step responses are? Else the reference's windows are solved for. */
+PetscBool reduction_knows_missing(const Reduction *reduction);
+/* To be solved for at one shift with so many vectors an input, and for the reference. */
+PetscInt reduction_columns(const Reduction *reduction, PetscInt moments);
+/* The reference's windows that the solver's present shift serves, if any are solved for; rest: all that are left. */
 PetscErrorCode reduction_solve_windows(Reduction *reduction, PetscBool rest);
+/* Modal form of the basis as it stands, and its error at the reference's times, or NULL, and in all. */
 PetscErrorCode reduction_judge(Reduction *reduction, PetscReal *error);
 PetscReal reduction_first_stage_target(const ReductionConfig *config);
-enum { REDUCTION_EXPECTED_STEPS = 20, REDUCTION_MOST_ADDED_SHIFTS = 12 }; // of the reference in one window
 /* The slowest modes, without regard to where heat enters. */
 PetscErrorCode reduction_run_modal(Reduction *reduction);
-/* Once the basis is complete, and before it goes: the full model's part of the certificate. */
+/* The full model's part of the certificate, of the basis as it stands, unless it is there. */
 PetscErrorCode reduction_begin_certificate(Reduction *reduction);
 /* Second stage, where the input asks for it. */
 PetscErrorCode reduction_shorten(Reduction *reduction);

@@ -137,8 +137,7 @@ static PetscErrorCode take_stored_shift(Reduction *reduction, PetscReal s, Petsc
   ShiftMoments shift = {.s = s, .q = q};
 
   PetscFunctionBeginUser;
-  PetscCall(shifted_solver_set_shift(reduction->solver, s,
-                                     q * reduction->p + REDUCTION_EXPECTED_STEPS * reduction->reference->n_inputs));
+  PetscCall(shifted_solver_set_shift(reduction->solver, s, reduction_columns(reduction, q)));
   PetscCall(reduction_record_shift(reduction, s));
   PetscCall(solve_blocks(reduction, &shift));
   PetscCall(shift_blocks_complete(reduction->basis->blocks, &shift));
@@ -210,7 +209,7 @@ PetscErrorCode reduction_run_stored(Reduction *reduction)
     PetscCall(reduction_solve_windows(reduction, PETSC_FALSE));
   }
   PetscCall(shifts_plan_destroy(&plan));
-  PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
+  if (!reduction_knows_missing(reduction)) PetscCall(reduction_solve_windows(reduction, PETSC_TRUE));
   PetscCall(add_stored_shifts(reduction));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -17,7 +17,8 @@ typedef struct Residual {
   const ThermalSystem *system; // borrowed
   PetscInt p, r;
   Mat R0;       // [n x p] owned
-  PetscReal *c; // [r x p] row-major, in the modes of the model
+  PetscReal *c;    // [r x p] row-major, in the modes of the model
+  PetscReal *left; // [k x r] S^T (K V - E V K_r - R_0 c^T) of k random sums S, diag(E)^(1/2) S with entries +-1/sqrt(k)
 } Residual;
 
 /* model: of the basis as it stands. Costs a few products of [n x r] with [n x p]. */
@@ -26,8 +27,11 @@ PetscErrorCode residual_create(const KrylovBasis *basis, const ModalModel *model
 PetscErrorCode residual_factor(const Residual *residual, const ModalModel *model, PetscReal w, PetscReal *real,
                                PetscReal *imaginary);
 /* G >= R_0^T (w E + K)^-1 R_0 in the sense of quadratic forms, [p x p] column-major, from p solves; what the solver
- * leaves over is added. The solver takes the shift w. */
-PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, PetscReal w, PetscReal *G);
+ * leaves over is added. The solver takes the shift w.
+ *   plain  out: the same without what is added
+ *   heat   out: Z^T E Z, Z = (w E + K)^-1 R_0, minus the derivative by w */
+PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, PetscReal w, PetscReal *G,
+                               PetscReal *plain, PetscReal *heat);
 /* How far inexact solves, or a projection from moments, have spoilt what should hold exactly, at a rate w. */
 typedef struct ResidualDefect {
   PetscReal size; // upper bound of ||(R(iw) - R_0 Phi(iw)) D||, in the norm of (w E + K)^-1
@@ -35,27 +39,19 @@ typedef struct ResidualDefect {
 } ResidualDefect;
 
 /* At the solver's present shift w; D = diag(weight) [p]. The basis must be the one that the residual was created with.
- * A size that needs no solve is given where it is below `negligible`; else 2 p solves are made. */
+ * A size found by random sums, without any solve, is given where it is below `negligible`; else 2 p solves are made. */
 PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
                                ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
                                ResidualDefect *defect);
+/* An upper bound of the size at any rate w, without solves and without the basis. */
+PetscErrorCode residual_defect_by_sums(const Residual *residual, const ModalModel *model, PetscReal w,
+                                       const PetscReal *weight, PetscReal *size);
 /* The directions in which the error of H at the real rate s, 1/s, is above `least`, and its largest value:
  *   D (H - H_r)(s) D = D Phi^T R_0^T (s E + K)^-1 R_0 Phi D,  D = diag(weight) [p],
  * whose eigenvectors U with larger eigenvalues [k] give X = (s E + K)^-1 R(s) D U, [n x k], what the basis lacks most.
  * The solver takes the shift s. X: caller destroys; NULL where k = 0. */
 PetscErrorCode residual_directions(const Residual *residual, const ModalModel *model, ShiftedSolver *solver,
                                    PetscReal s, const PetscReal *weight, PetscReal least, Mat *X, PetscReal *largest);
-/* What a second stage has kept of `model`. */
-typedef struct TruncatedModel {
-  const ModalModel *last; // borrowed
-  PetscReal *W;           // [model->r x last->r] its states in those of `model`; owned
-} TruncatedModel;
-
-/* Its own residual is R_0 Psi and a part in the basis: R^H (w E + K)^-1 R = Psi^H G Psi + P + iS, columns scaled by
- * weight. Psi[2], P, S  out, [p x p] */
-PetscErrorCode residual_truncated(const Residual *residual, const ModalModel *model, const TruncatedModel *cut,
-                                  PetscReal w, const PetscReal *weight, PetscReal *const Psi[2], PetscReal *P,
-                                  PetscReal *S);
 PetscErrorCode residual_destroy(Residual **residual);
 
 #endif

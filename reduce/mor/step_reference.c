@@ -157,6 +157,36 @@ PetscErrorCode step_reference_solve(StepReference *reference, const ThermalSyste
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode step_reference_set(StepReference *reference, const ModalModel *model, const PetscReal *missing,
+                                  const PetscReal *doubt)
+{
+  const size_t p = (size_t)reference->p, n_inputs = (size_t)reference->n_inputs;
+  PetscReal *state;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)model->r, &state));
+  for (size_t t = 0; t < (size_t)reference->n_times; t++)
+    for (size_t j = 0; j < n_inputs; j++) {
+      PetscReal *at = reference->temperature + (t * n_inputs + j) * p;
+      modal_model_step_response(model, reference->time[t], reference->u + j * p, state, at);
+      for (size_t i = 0; i < p; i++) at[i] += missing[(t * n_inputs + j) * p + i];
+    }
+  PetscCall(PetscFree(state));
+  for (PetscInt w = 0; w < reference->n_windows; w++) reference->done[w] = PETSC_TRUE;
+  PetscCall(step_reference_finish(reference));
+  reference->error = 0.0;
+  for (size_t response = 0; response < (size_t)reference->n_times * n_inputs; response++)
+    for (size_t i = 0; i < p && reference->rise[response] > 0.0; i++)
+      reference->error = PetscMax(reference->error, doubt[response * p + i] / reference->rise[response]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void step_reference_forget(StepReference *reference)
+{
+  for (PetscInt w = 0; w < reference->n_windows; w++) reference->done[w] = PETSC_FALSE;
+  reference->error = 0.0;
+}
+
 PetscErrorCode step_reference_finish(StepReference *reference)
 {
   const size_t p = (size_t)reference->p, n_inputs = (size_t)reference->n_inputs;

@@ -33,6 +33,12 @@ PetscErrorCode step_reference_create(const ThermalSystem *system, Mat ports, Pet
  * `accuracy` of the rise. */
 PetscErrorCode step_reference_solve(StepReference *reference, const ThermalSystem *system, ShiftedSolver *solver,
                                     PetscInt w, PetscReal accuracy);
+/* All windows at once: the model's own responses and what they lack, both [n_times x n_inputs x p].
+ *   doubt  by how much `missing` may be wrong */
+PetscErrorCode step_reference_set(StepReference *reference, const ModalModel *model, const PetscReal *missing,
+                                  const PetscReal *doubt);
+/* No window is solved any more. */
+void step_reference_forget(StepReference *reference);
 /* After all windows: the rises. */
 PetscErrorCode step_reference_finish(StepReference *reference);
 /* error[i] [n_times]: largest |dT| of any patch at that time over the rise, over all inputs.

@@ -32,7 +32,7 @@ static ReductionConfig config_of(unsigned long long seed)
   config.tolerance = pow(10.0, -2.0 - (double)(seed % 3));
   config.second_stage = seed % 2 == 0;
   config.iterative = seed % 3 == 0;
-  config.solver_rtol = reduce_config_solver_rtol(config.tolerance);
+  config.solver_rtol = reduce_config_solver_rtol(config.tolerance, config.iterative);
   return config;
 }
 
@@ -116,7 +116,7 @@ static void the_true_error_of_a_mould_of_72_patches_is_below_what_is_certified(v
   config.tolerance = 1e-2;
   config.second_stage = false;
   config.iterative = true;
-  config.solver_rtol = reduce_config_solver_rtol(config.tolerance);
+  config.solver_rtol = reduce_config_solver_rtol(config.tolerance, config.iterative);
   TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &box, &mould));
   TEST_PETSC(reduced_model_create(mould.system, &config, NULL, &model));
   for (double w = 0.02; w < 20.0; w *= 5.0) {
