@@ -151,7 +151,8 @@ static PetscErrorCode spoilt_part(const Residual *residual, const KrylovBasis *b
   PetscCall(PetscMalloc3((size_t)p * (size_t)p, &Phi[0], (size_t)p * (size_t)p, &Phi[1], (size_t)p * (size_t)k, &PhiW));
   PetscCall(applied(residual, basis, model, w, probes, of));
   PetscCall(dense_block_combine(of[0], 1.0, -1.0, basis->ports, probes->W, p)); // -R W
-  PetscCall(galerkin_slip(basis, model, w, probes, of, slip));
+  *slip = 0.0; // with vectors that are orthonormal to rounding, and K_r made of them, V^T R is rounding too
+  if (basis->blocks) PetscCall(galerkin_slip(basis, model, w, probes, of, slip));
   PetscCall(residual_factor(residual, model, w, Phi[0], Phi[1]));
   for (int part = 0; part < 2; part++) {
     PetscCall(small_multiply('N', 'N', p, k, p, 1.0, Phi[part], probes->W, 0.0, PhiW));
@@ -183,7 +184,6 @@ static PetscErrorCode examine(const Residual *residual, const KrylovBasis *basis
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* With vectors that are orthonormal to rounding, and K_r made of them, V^T R is rounding too. */
 PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
                                ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
                                ResidualDefect *defect)
