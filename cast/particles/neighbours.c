@@ -9,22 +9,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/geometry/sight.h"
 #include "cast/particles/approach.h"
 #include "cast/particles/cells.h"
+#include "cast/particles/hiding.h"
 #include "cast/particles/pair_list.h"
+#include "cast/particles/pair_prune.h"
 #include "cast/particles/vicinity.h"
 
+/* How much nearer particles may come, m: fluid to fluid, and to a wall, which stands still. */
+typedef struct Skins {
+  double fluid, wall;
+} Skins;
+
 struct Neighbours {
-  double reach, skin, wall_skin; // m; skin: between fluid particles
-  double most_skin;              // m
-  double spacing, step;          // m, s; step 0: the skin stays as it is
+  double reach, most_skin; // m
+  double spacing, step;    // m, s; step 0: skins stay as they are
+  Skins listed;            // of the lists when they were made
+  Skins wanted;            // of the rows' near parts, if there is time for it
+  Skins near;              // of the near parts when they were told apart
+  Skins used;              // since the lists were made particles may have come nearer by so much
   const Surface *surface;
   double period[3];
   Cells fluid_cells, wall_cells;
   double *sorted_wall[3]; // [n_wall] positions in the order of wall_cells
   ptrdiff_t n_wall;       // -1: walls not sorted yet
-  float *built_at[3];     // [n_fluid] positions when the lists were built
+  float *built_at[3];     // [n_fluid] positions when the near parts were told apart
   double rounding;        // m, at most so far are these from the positions
   uint8_t *thin;          // [n_fluid] a thin mould wall is near
   ptrdiff_t n_fluid, capacity;
@@ -59,9 +68,8 @@ static CastStatus create(double reach, double skin, const Surface *surface, cons
   Neighbours *nb = calloc(1, sizeof *nb);
   CAST_CHECK(nb, err, CAST_ERR_MEMORY, "neighbours: no memory");
   nb->reach = reach;
-  nb->skin = skin;
-  nb->wall_skin = range - reach;
   nb->most_skin = skin;
+  nb->listed = nb->wanted = (Skins){skin, range - reach};
   nb->surface = surface;
   nb->n_wall = -1;
   memcpy(nb->period, period, sizeof nb->period);
@@ -133,26 +141,38 @@ static double longest_way(const Neighbours *nb, const Particles *p)
   return sqrt(longest2);
 }
 
-/* Lists hold while no pair that they lack can have come within reach. Walls stand still. */
-static CastStatus find_due(Neighbours *nb, const Particles *p, bool *due, CastError *err)
+typedef enum Due { NOTHING_DUE, ROWS_DUE, LISTS_DUE } Due;
+
+/* Lists hold while no pair that they lack can have come within reach, near parts likewise. Walls stand still. */
+static CastStatus find_due(Neighbours *nb, const Particles *p, Due *due, CastError *err)
 {
-  *due = nb->builds == 0 || nb->n_fluid != p->n_fluid;
-  if (*due) return CAST_OK;
-  const double longest = longest_way(nb, p) + nb->rounding;
-  *due = !(longest <= nb->wall_skin && longest <= 0.5 * nb->reach); // beyond: particles of distant blocks might meet
-  if (*due || longest <= 0.5 * nb->skin) return CAST_OK;
-  double nearer;
-  CAST_CALL(approach_bound(&nb->approach, &nb->fluid_cells, p->x, nb->built_at, &nearer, err));
-  *due = nearer + 2.0 * nb->rounding > nb->skin;
+  *due = nb->builds == 0 || nb->n_fluid != p->n_fluid ? LISTS_DUE : NOTHING_DUE;
+  if (*due != NOTHING_DUE) return CAST_OK;
+  Skins way = {.wall = longest_way(nb, p) + nb->rounding};
+  if (way.wall <= nb->near.wall && way.wall <= 0.5 * nb->near.fluid) return CAST_OK;
+  *due = LISTS_DUE;
+  if (!(nb->used.wall + way.wall <= fmin(nb->listed.wall, 0.5 * nb->reach)))
+    return CAST_OK; // beyond: particles of distant blocks might meet
+  CAST_CALL(approach_bound(&nb->approach, &nb->fluid_cells, p->x, nb->built_at, &way.fluid, err));
+  way.fluid += 2.0 * nb->rounding;
+  if (way.wall <= nb->near.wall && way.fluid <= nb->near.fluid) {
+    *due = NOTHING_DUE;
+    return CAST_OK;
+  }
+  nb->used.fluid += way.fluid;
+  nb->used.wall += way.wall;
+  const Skins left = {nb->listed.fluid - nb->used.fluid, fmin(nb->listed.wall, 0.5 * nb->reach) - nb->used.wall};
+  // what would hold for a step or two is not worth telling apart
+  if (left.fluid >= 0.5 * nb->wanted.fluid && left.wall >= 0.5 * nb->wanted.wall) *due = ROWS_DUE;
   return CAST_OK;
 }
 
-/* ---- the skin ---- */
+/* ---- skins ---- */
 
-/* Sums over pairs cost about A (1 + skin/reach)^3 a step, lists B for each build, that is B way/skin a step where
- * particles move by `way`: least for skin^2 near B reach/(3 A (1 + skin/reach)^2) way. Measured, B/A is 2 to 3 and
- * neighbours come nearer by 0.7 of the fastest particle's way (docs/performance). */
-static void choose_skin(Neighbours *nb, const Particles *p)
+/* Sums over pairs cost A (1 + near/reach)^3 a step, each telling of near parts C, each making of lists B, both times (1
+ * + listed/reach)^3. With C/A near 0.3 and B/C near 10 the least lies near these square roots of the fastest particle's
+ * way in a step, and is flat there (docs/performance). */
+static void choose_skins(Neighbours *nb, const Particles *p)
 {
   if (!(nb->step > 0.0)) return;
   double v2 = 0.0;
@@ -161,9 +181,12 @@ static void choose_skin(Neighbours *nb, const Particles *p)
     const double v2_i = p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i];
     v2 = v2_i > v2 ? v2_i : v2;
   }
-  const double way = sqrt(v2) * nb->step / nb->spacing, best = 1.2 * sqrt(way), least = 0.08;
-  nb->skin = fmin((best > least ? best : least) * nb->spacing, nb->most_skin);
-  nb->wall_skin = neighbours_range(nb->reach, nb->skin) - nb->reach;
+  const double way = sqrt(sqrt(v2) * nb->step / nb->spacing), least_near = 0.06, least_listed = 0.15;
+  const double near = 0.9 * way, listed = 3.0 * way, most = neighbours_range(nb->reach, nb->most_skin) - nb->reach;
+  nb->wanted.fluid = (near > least_near ? near : least_near) * nb->spacing;
+  nb->wanted.wall = 1.5 * nb->wanted.fluid; // melt moves faster past a wall than past melt nearby
+  nb->listed.fluid = fmin((listed > least_listed ? listed : least_listed) * nb->spacing, most);
+  nb->listed.wall = nb->listed.fluid;
 }
 
 /* ---- sorting ---- */
@@ -241,7 +264,7 @@ static CastStatus sort_walls(Neighbours *nb, const Particles *p, CastError *err)
   return CAST_OK;
 }
 
-/* ---- pairs that the mould keeps apart ---- */
+/* ---- rows ---- */
 
 static void find_thin(Neighbours *nb, const Particles *p)
 {
@@ -252,36 +275,6 @@ static void find_thin(Neighbours *nb, const Particles *p)
     const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]};
     nb->thin[i] = surface_thin_near(nb->surface, x);
   }
-}
-
-/* A particle that is known to be clear of the mould: quick answers hold for it. */
-static bool is_clear(const Particles *p, ptrdiff_t i)
-{
-  return p->clearance[i] > 0.0;
-}
-
-/* sight (may be NULL): from particle i. Always asked with the lower index first, so that both particles of a pair hear
- * the same. */
-static bool fluid_separated(const Neighbours *nb, const Particles *p, const Sight *sight, ptrdiff_t i, ptrdiff_t j)
-{
-  if (!nb->thin[i] || !nb->thin[j]) return false;
-  const double y[3] = {p->x[0][j], p->x[1][j], p->x[2][j]};
-  if (sight && is_clear(p, j) && sight_is_free(sight, y)) return false;
-  const ptrdiff_t a = i < j ? i : j, b = i < j ? j : i;
-  const double xa[3] = {p->x[0][a], p->x[1][a], p->x[2][a]}, xb[3] = {p->x[0][b], p->x[1][b], p->x[2][b]};
-  return surface_separates(nb->surface, xa, xb);
-}
-
-static bool wall_separated(const Neighbours *nb, const Particles *p, const Sight *sight, ptrdiff_t i, ptrdiff_t j)
-{
-  if (!nb->thin[i]) return false;
-  const ptrdiff_t k = j - p->n_fluid;
-  const double x[3] = {p->x[0][i], p->x[1][i], p->x[2][i]}, place[3] = {p->x[0][j], p->x[1][j], p->x[2][j]};
-  const double foot[3] = {p->foot[0][k], p->foot[1][k], p->foot[2][k]};
-  const double normal[3] = {p->normal[0][k], p->normal[1][k], p->normal[2][k]};
-  if (sight && p->echo[k] && sight_enters_nothing(sight, place)) return true;
-  if (sight && !p->echo[k] && sight_meets_wall(sight, place, normal)) return false;
-  return !walls_seen(nb->surface, x, place, foot, normal, p->echo[k]);
 }
 
 typedef enum RowKind { FLUID_FLUID, FLUID_WALL } RowKind;
@@ -303,35 +296,21 @@ static ptrdiff_t drop_self(ptrdiff_t row, ptrdiff_t n, int32_t *index)
   return n - 1;
 }
 
-/* Drop from a row what the mould hides from the particle; returns the new length. */
-static ptrdiff_t drop_hidden(const RowContext *c, ptrdiff_t row, ptrdiff_t n, int32_t *index)
-{
-  const double x[3] = {c->p->x[0][row], c->p->x[1][row], c->p->x[2][row]};
-  Sight around, *sight = n > 0 && is_clear(c->p, row) ? &around : NULL;
-  if (sight) sight_from(c->nb->surface, x, c->nb->reach + c->nb->wall_skin, sight);
-  ptrdiff_t kept = 0;
-  for (ptrdiff_t k = 0; k < n; k++) {
-    const int32_t j = index[k];
-    const bool hidden = c->kind == FLUID_FLUID ? fluid_separated(c->nb, c->p, sight, row, j)
-                                               : wall_separated(c->nb, c->p, sight, row, j);
-    index[kept] = j;
-    kept += !hidden;
-  }
-  return kept;
-}
-
 static bool fill_row(const void *context, ptrdiff_t row, RowBuffer *buffer)
 {
   const RowContext *c = context;
   const Neighbours *nb = c->nb;
   const double x[3] = {c->p->x[0][row], c->p->x[1][row], c->p->x[2][row]};
-  const double reach = nb->reach + (c->kind == FLUID_FLUID ? nb->skin : nb->wall_skin);
+  const double reach = nb->reach + (c->kind == FLUID_FLUID ? nb->listed.fluid : nb->listed.wall);
   vicinity_move_to(&buffer->vicinity, &c->points, x);
   if (!row_buffer_reserve(buffer, buffer->vicinity.room)) return false;
   int32_t *index = buffer->index + buffer->n;
   ptrdiff_t n = vicinity_select(&buffer->vicinity, &c->points, x, reach * reach, index);
   if (c->kind == FLUID_FLUID) n = drop_self(row, n, index);
-  if (nb->surface && nb->thin[row]) n = drop_hidden(c, row, n, index);
+  if (nb->surface && nb->thin[row]) {
+    const Hiding hiding = {nb->surface, nb->thin, c->p, nb->reach + nb->listed.wall};
+    n = c->kind == FLUID_FLUID ? hiding_drop_fluid(&hiding, row, n, index) : hiding_drop_walls(&hiding, row, n, index);
+  }
   buffer->n += n;
   return true;
 }
@@ -349,14 +328,29 @@ static void remember_positions(Neighbours *nb, const Particles *p)
   nb->rounding = sqrt(3.0) * 0.5 * (double)FLT_EPSILON * far;
 }
 
+/* Tell apart in all rows what may lie within reach soon from what may later. */
+static CastStatus split_rows(Neighbours *nb, Particles *p, CastError *err)
+{
+  remember_positions(nb, p);
+  nb->near = (Skins){fmin(nb->wanted.fluid, nb->listed.fluid - nb->used.fluid),
+                     fmin(nb->wanted.wall, nb->listed.wall - nb->used.wall)};
+  if (!(nb->near.fluid < nb->listed.fluid || nb->near.wall < nb->listed.wall)) return CAST_OK;
+  // records are made anew before each sweep: until then there is room in them
+  const PrunePlaces places = prune_places(p, nb->reach, nb->period, (PrunePlace *)(void *)p->record);
+  const double fluid = nb->reach * (1.0 + 1e-6) + nb->near.fluid, wall = nb->reach * (1.0 + 1e-6) + nb->near.wall;
+  CAST_CALL(pair_list_prune(&nb->fluid_fluid, &places, 0, fluid, &nb->buffers, err));
+  CAST_CALL(pair_list_prune(&nb->fluid_wall, &places, 0, wall, &nb->buffers, err));
+  return pair_list_prune(&nb->wall_fluid, &places, p->n_fluid, wall, &nb->buffers, err);
+}
+
 static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
 {
   CAST_CALL(check_positions(p, err));
   CAST_CALL(reserve_fluid(nb, p->n_fluid, err));
   CAST_CALL(sort_walls(nb, p, err));
-  choose_skin(nb, p);
+  choose_skins(nb, p);
   wrap_positions(nb, p);
-  CAST_CALL(cells_sort(&nb->fluid_cells, p->n_fluid, p->x, nb->reach + nb->skin, nb->period, err));
+  CAST_CALL(cells_sort(&nb->fluid_cells, p->n_fluid, p->x, nb->reach + nb->listed.fluid, nb->period, err));
   sort_fluid(nb, p);
   find_thin(nb, p);
   const RowContext melt = {nb, p, FLUID_FLUID, {&nb->fluid_cells, p->x, NULL, 0}};
@@ -365,18 +359,19 @@ static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
   CAST_CALL(pair_list_build(&nb->fluid_fluid, p->n_fluid, fill_row, &melt, &nb->buffers, err));
   CAST_CALL(pair_list_build(&nb->fluid_wall, p->n_fluid, fill_row, &wall, &nb->buffers, err));
   CAST_CALL(pair_list_transpose(&nb->fluid_wall, (int32_t)p->n_fluid, p->n - p->n_fluid, &nb->wall_fluid, err));
-  remember_positions(nb, p);
+  nb->used = (Skins){0.0, 0.0};
   nb->builds++;
-  return CAST_OK;
+  return split_rows(nb, p, err);
 }
 
 CastStatus neighbours_update(Neighbours *nb, Particles *particles, bool force, bool *rebuilt, CastError *err)
 {
-  bool due;
+  Due due;
   CAST_CALL(find_due(nb, particles, &due, err));
-  due = due || force;
-  if (rebuilt) *rebuilt = due;
-  return due ? build(nb, particles, err) : CAST_OK;
+  if (force) due = LISTS_DUE;
+  if (rebuilt) *rebuilt = due == LISTS_DUE;
+  if (due == ROWS_DUE) return split_rows(nb, particles, err);
+  return due == LISTS_DUE ? build(nb, particles, err) : CAST_OK;
 }
 
 const PairList *neighbours_fluid_fluid(const Neighbours *nb)

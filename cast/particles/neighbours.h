@@ -12,13 +12,21 @@ typedef struct PairList {
   ptrdiff_t n;      // rows
   ptrdiff_t *start; // [n + 1]
   int32_t *index;   // [start[n]]
+  int32_t *near;    // [n] so many entries of a row come first that may lie within reach now
   ptrdiff_t capacity;
 } PairList;
 
+/* The end of row i for sums over pairs at the present places. Entries from there to start[i + 1] are beyond reach now
+ * and may come within it before lists are made anew. */
+static inline ptrdiff_t pair_list_end(const PairList *list, ptrdiff_t i)
+{
+  return list->start[i] + list->near[i];
+}
+
 typedef struct Neighbours Neighbours;
 
-/* The longest skin, m, that is worth while for particles of this spacing (docs/performance): longer lists cost every
- * step, shorter ones are rebuilt more often. */
+/* The skin, m, to create lists with for particles of this spacing; neighbours_suit_skin takes up to twice as much for
+ * all pairs (docs/performance). */
 double neighbours_skin(double spacing);
 double neighbours_range(double reach, double skin); // m, no pair in the lists was farther apart when they were built
 /*  reach    m: the kernel's support radius
@@ -32,16 +40,18 @@ CastStatus neighbours_create(double reach, double skin, const Surface *surface, 
  * Errors also: CAST_ERR_ARGUMENT for a period below 2.5 times the range, where a pair would meet its own image. */
 CastStatus neighbours_create_periodic(double reach, double skin, const double period[3], Neighbours **neighbours,
                                       CastError *err);
-/* From now on take the skin, up to that given, that suits the speed of the melt at each build: slow melt has short
- * lists that last as long. Depends on the particles alone, so a resumed run has the same lists.
+/* From now on take the skin, up to twice that given, that suits the speed of the melt at each build, and keep apart
+ * within each row, by a shorter skin, what may lie within reach soon (pair_list_end): that is told anew several times
+ * before the lists are. Skins depend on the particles alone, so a resumed run has the same lists.
  *   spacing  m
  *   step     s, about as long as time steps will be */
 void neighbours_suit_skin(Neighbours *neighbours, double spacing, double step);
 const double *neighbours_period(const Neighbours *neighbours); // [3] m, 0 where the domain does not repeat
 void neighbours_destroy(Neighbours **neighbours);
-/* Rebuild if a pair that is not listed may have come within reach since the last build, or `force`. Re-sorts the fluid
- * particles in space (all their fields). `rebuilt` tells whether indices changed. Errors: CAST_ERR_MEMORY;
- * CAST_ERR_NUMERIC for a position that is not finite, naming the particle. */
+/* Rebuild if a pair that is not listed may have come within reach since the last build, or `force`; sooner than that
+ * the near parts of the rows are told anew, for which p->record is scratch. A rebuild re-sorts the fluid particles in
+ * space (all their fields). `rebuilt` tells whether indices changed. Errors: CAST_ERR_MEMORY; CAST_ERR_NUMERIC for a
+ * position that is not finite, naming the particle. */
 CastStatus neighbours_update(Neighbours *neighbours, Particles *particles, bool force, bool *rebuilt, CastError *err);
 /* Fluid i -> fluid j; fluid i -> wall j (j is a particle index >= n_fluid); wall k -> fluid j (row k = wall index).
  * Entries may lie beyond reach: kernels vanish there. */

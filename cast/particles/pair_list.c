@@ -22,9 +22,11 @@ static bool reserve_rows(PairList *list, ptrdiff_t rows)
     return true;
   }
   free(list->start);
+  free(list->near);
   list->start = malloc((size_t)(rows + 1) * sizeof *list->start);
-  list->n = list->start ? rows : 0;
-  return list->start != NULL;
+  list->near = malloc((size_t)(rows + 1) * sizeof *list->near);
+  list->n = list->start && list->near ? rows : 0;
+  return list->start && list->near;
 }
 
 static bool reserve_entries(PairList *list, ptrdiff_t entries)
@@ -49,7 +51,7 @@ static bool fill_share(PairList *list, ptrdiff_t first, ptrdiff_t end, FillRow f
   return true;
 }
 
-static bool reserve_buffers(RowBuffers *buffers, int threads)
+bool row_buffers_reserve(RowBuffers *buffers, int threads)
 {
   if (threads <= buffers->n) return true;
   RowBuffer *more = realloc(buffers->of_thread, (size_t)threads * sizeof *more);
@@ -67,11 +69,18 @@ void row_buffers_free(RowBuffers *buffers)
   *buffers = (RowBuffers){0};
 }
 
+/* All entries of all rows count. */
+static void keep_all(PairList *list)
+{
+#pragma omp parallel for simd
+  for (ptrdiff_t row = 0; row < list->n; row++) list->near[row] = (int32_t)(list->start[row + 1] - list->start[row]);
+}
+
 CastStatus pair_list_build(PairList *list, ptrdiff_t rows, FillRow fill, const void *context, RowBuffers *buffers,
                            CastError *err)
 {
   const int most = omp_get_max_threads();
-  bool ok = reserve_rows(list, rows) && reserve_buffers(buffers, most);
+  bool ok = reserve_rows(list, rows) && row_buffers_reserve(buffers, most);
   CAST_CHECK(ok, err, CAST_ERR_MEMORY, "neighbour lists: no memory for %td rows", rows);
   list->start[0] = 0;
 #pragma omp parallel num_threads(most)
@@ -94,6 +103,7 @@ CastStatus pair_list_build(PairList *list, ptrdiff_t rows, FillRow fill, const v
       memcpy(list->index + list->start[first], buffer->index, (size_t)buffer->n * sizeof *buffer->index);
   }
   CAST_CHECK(ok, err, CAST_ERR_MEMORY, "neighbour lists: no memory for the pairs of %td rows", rows);
+  keep_all(list);
   return CAST_OK;
 }
 
@@ -156,6 +166,7 @@ CastStatus pair_list_transpose(const PairList *from, int32_t base, ptrdiff_t row
     put_share(&t, first, end, count + thread * rows);
   }
   free(count);
+  keep_all(to);
   return CAST_OK;
 }
 
@@ -163,5 +174,6 @@ void pair_list_free(PairList *list)
 {
   free(list->start);
   free(list->index);
+  free(list->near);
   *list = (PairList){0};
 }

@@ -17,6 +17,7 @@ typedef struct RowBuffers {
   RowBuffer *of_thread;
   int n;
 } RowBuffers;
+bool row_buffers_reserve(RowBuffers *buffers, int threads); // false if there is no memory
 void row_buffers_free(RowBuffers *buffers);
 
 /* Room for `more` entries behind those there; false if there is no memory. */

@@ -14,7 +14,7 @@ static void add_pairs(const SphParameters *sph, const Particles *p, const Neighb
   const PairList *list = neighbours_fluid_fluid(neighbours);
   const double *period = neighbours_period(neighbours);
   const double h = sph->h, slope = shape_norm(sph->kernel) / (h * h * h * h * h);
-  for (ptrdiff_t l = list->start[i]; l < list->start[i + 1]; l++) {
+  for (ptrdiff_t l = list->start[i]; l < pair_list_end(list, i); l++) {
     const ptrdiff_t j = list->index[l];
     double d[3];
     const double r2 = particles_offset(p, i, j, period, d);

@@ -145,17 +145,18 @@ PAIR_INLINE void sweep_rows(const Sweep *s, KernelKind kernel, ptrdiff_t first, 
   Block block;
   for (ptrdiff_t i = first; i < end; i++) {
     const RecordField *me = p->record + i * RECORD_SIZE;
+    const ptrdiff_t fluid_end = pair_list_end(fluid, i), wall_end = pair_list_end(wall, i);
     const float rho_i = (float)p->rho[i];
     Rates sum = {0};
-    for (ptrdiff_t k = fluid->start[i]; k < fluid->start[i + 1]; k += BLOCK_PAIRS) {
-      const ptrdiff_t left = fluid->start[i + 1] - k, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
+    for (ptrdiff_t k = fluid->start[i]; k < fluid_end; k += BLOCK_PAIRS) {
+      const ptrdiff_t left = fluid_end - k, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
       const ptrdiff_t n = block_fill(&block, RECORD_SIZE, p->record, fluid->index + k, most, me);
       fluid_pairs(s, kernel, rho_i, me, &block, n, &sum);
     }
     _Alignas(16) RecordField filler[RECORD_SIZE];
-    if (wall->start[i] < wall->start[i + 1]) wall_filler(me, filler);
-    for (ptrdiff_t k = wall->start[i]; k < wall->start[i + 1]; k += BLOCK_PAIRS) {
-      const ptrdiff_t left = wall->start[i + 1] - k, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
+    if (wall->start[i] < wall_end) wall_filler(me, filler);
+    for (ptrdiff_t k = wall->start[i]; k < wall_end; k += BLOCK_PAIRS) {
+      const ptrdiff_t left = wall_end - k, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
       const ptrdiff_t n = block_fill(&block, RECORD_SIZE, p->record, wall->index + k, most, filler);
       wall_pairs(s, kernel, rho_i, me, &block, n, &sum);
     }

@@ -90,10 +90,10 @@ void sweep_fluid_plain(const Sweep *s, SweepTasks tasks)
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
     const PairList *fluid = s->fluid_fluid, *wall = s->fluid_wall;
     Rates sum = {0};
-    for (ptrdiff_t k = fluid->start[i]; k < fluid->start[i + 1]; k++) add_fluid(s, tasks, i, fluid->index[k], &sum);
+    for (ptrdiff_t k = fluid->start[i]; k < pair_list_end(fluid, i); k++) add_fluid(s, tasks, i, fluid->index[k], &sum);
     if (tasks.heat) p->heat[i] = sum.heat;
     if (!tasks.flow) continue;
-    for (ptrdiff_t k = wall->start[i]; k < wall->start[i + 1]; k++) add_wall(s, i, wall->index[k], &sum);
+    for (ptrdiff_t k = wall->start[i]; k < pair_list_end(wall, i); k++) add_wall(s, i, wall->index[k], &sum);
     set_flow(s, i, &sum);
   }
 }
@@ -109,7 +109,7 @@ void sweep_sum_density(const Sweep *s)
     const PairList *const lists[2] = {s->fluid_fluid, s->fluid_wall};
     double sum = p->mass[i] * shape_value(kernel, 0.0);
     for (int l = 0; l < 2; l++)
-      for (ptrdiff_t k = lists[l]->start[i]; k < lists[l]->start[i + 1]; k++) {
+      for (ptrdiff_t k = lists[l]->start[i]; k < pair_list_end(lists[l], i); k++) {
         const int32_t j = lists[l]->index[k];
         double r2 = 0.0;
         for (int d = 0; d < 3; d++) {

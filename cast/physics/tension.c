@@ -167,7 +167,7 @@ static double offset(const Pass *s, ptrdiff_t i, ptrdiff_t j, double d[3])
 static void add_fill(const Pass *s, ptrdiff_t i, const PairList *list, double *fill, double gradient[3])
 {
   const Tension *t = s->t;
-  for (ptrdiff_t k = list->start[i]; k < list->start[i + 1]; k++) {
+  for (ptrdiff_t k = list->start[i]; k < pair_list_end(list, i); k++) {
     const int32_t j = list->index[k];
     double d[3];
     const double q = offset(s, i, j, d), volume = s->p->volume[j];
@@ -258,7 +258,7 @@ static void add_wall(const Pass *s, ptrdiff_t i, InterfaceSums *sums)
   if (n->height <= 0.0 || !wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return;
   vec_cross(away, along, line);
   for (int a = 0; a < 3; a++) turn[a] = n->normal[a] + angle->cos_theta * away[a] - angle->sin_theta * along[a];
-  for (ptrdiff_t k = s->wall->start[i]; k < s->wall->start[i + 1]; k++) {
+  for (ptrdiff_t k = s->wall->start[i]; k < pair_list_end(s->wall, i); k++) {
     const int32_t j = s->wall->index[k];
     double d[3];
     const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d)), across = vec_dot(d, away);
@@ -278,7 +278,7 @@ static void find_curvature(const Pass *s, ptrdiff_t i)
   Near *n = &t->near[i];
   if (n->share <= 0.0) return;
   InterfaceSums sums = {.M = {0.0}};
-  for (ptrdiff_t k = s->fluid->start[i]; k < s->fluid->start[i + 1]; k++) {
+  for (ptrdiff_t k = s->fluid->start[i]; k < pair_list_end(s->fluid, i); k++) {
     const int32_t j = s->fluid->index[k];
     const Near *m = &t->near[j];
     if (m->share <= 0.0) continue;
@@ -300,7 +300,7 @@ static double spread_curvature(const Pass *s, ptrdiff_t i)
   const Tension *t = s->t;
   double weight = t->near[i].share * shape_value(t->kernel, 0.0) * shape_value(t->kernel, 0.0),
          sum = weight * t->near[i].measured;
-  for (ptrdiff_t k = s->fluid->start[i]; k < s->fluid->start[i + 1]; k++) {
+  for (ptrdiff_t k = s->fluid->start[i]; k < pair_list_end(s->fluid, i); k++) {
     const int32_t j = s->fluid->index[k];
     if (t->near[j].share <= 0.0) continue;
     double d[3];

@@ -103,7 +103,8 @@ PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, bool spins, ptrdif
   const PairList *list = s->wall_fluid;
   Block block;
   for (ptrdiff_t k = first; k < end; k++) {
-    if (list->start[k] == list->start[k + 1]) continue;
+    const ptrdiff_t row_end = pair_list_end(list, k);
+    if (list->start[k] == row_end) continue;
     const ptrdiff_t i = p->n_fluid + k;
     RecordField *me = p->record + i * RECORD_SIZE;
     for (int d = 0; d < 3; d++) me[REC_X + d] = sweep_place(&s->scale, d, p->x[d][i]);
@@ -111,8 +112,8 @@ PAIR_INLINE void wall_rows(const Sweep *s, KernelKind kernel, bool spins, ptrdif
     far_filler(me, filler);
     const WallForce force = wall_force(s, (const double[3]){p->x[0][i], p->x[1][i], p->x[2][i]});
     WallSums sum = {0};
-    for (ptrdiff_t l = list->start[k]; l < list->start[k + 1]; l += BLOCK_PAIRS) {
-      const ptrdiff_t left = list->start[k + 1] - l, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
+    for (ptrdiff_t l = list->start[k]; l < row_end; l += BLOCK_PAIRS) {
+      const ptrdiff_t left = row_end - l, most = left < BLOCK_PAIRS ? left : BLOCK_PAIRS;
       const ptrdiff_t n = block_fill(&block, REC_P + 1, p->record, list->index + l, most, filler);
       extrapolate(s, kernel, spins, me, &force, &block, n, &sum);
     }

@@ -210,7 +210,7 @@ static void add_gradient(const SphParameters *sph, const Particles *p, const Pai
                          ptrdiff_t i, double sum[3])
 {
   const double scale = shape_norm(sph->kernel) / pow(sph->h, 5.0);
-  for (ptrdiff_t k = list->start[i]; k < list->start[i + 1]; k++) {
+  for (ptrdiff_t k = list->start[i]; k < pair_list_end(list, i); k++) {
     const ptrdiff_t j = list->index[k];
     double way[3];
     const double r2 = particles_offset(p, i, j, period, way);

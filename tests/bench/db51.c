@@ -90,13 +90,15 @@ static void report(const LatticeTank *tank, const double spent[PARTS], double wa
   const double particle_steps = (double)tank->steps * (double)tank->particles.n_fluid;
   const PairList *fluid = neighbours_fluid_fluid(tank->neighbours), *walls = neighbours_fluid_wall(tank->neighbours);
   const double n = (double)tank->particles.n_fluid;
-  double total = 0.0, front = 0.0;
+  double total = 0.0, front = 0.0, near[2] = {0.0, 0.0};
+  for (ptrdiff_t i = 0; i < fluid->n; i++) near[0] += fluid->near[i];
+  for (ptrdiff_t i = 0; i < walls->n; i++) near[1] += walls->near[i];
   for (int part = 0; part < PARTS; part++) total += spent[part];
   for (ptrdiff_t i = 0; i < tank->particles.n_fluid; i++) front = fmax(front, tank->particles.x[0][i]);
   printf("DB51: %ld steps to t = %.4f s, front at %.3f m, %d threads\n", tank->steps, tank->time, front,
          omp_get_max_threads());
-  printf("pairs listed a fluid particle: %.1f fluid, %.1f wall; a list lasts %.1f steps\n",
-         (double)fluid->start[fluid->n] / n, (double)walls->start[walls->n] / n,
+  printf("pairs listed a fluid particle: %.1f fluid, %.1f wall, of these near %.1f, %.1f; a list lasts %.1f steps\n",
+         (double)fluid->start[fluid->n] / n, (double)walls->start[walls->n] / n, near[0] / n, near[1] / n,
          (double)tank->steps / (double)neighbours_builds(tank->neighbours));
   for (int part = 0; part < PARTS; part++)
     printf("  %-18s %.3f us CPU a particle-step\n", part_name[part], 1e6 * spent[part] / particle_steps);
