@@ -2,9 +2,9 @@
 // Lengths in mm. z = 0 is the block's foot; melt flows along -z.
 SetFactory("OpenCASCADE");
 
-width = 6; depth = 4; height = 12;
-feeder = 0.8; feeder_floor = 10;                 // square, open at the top
-pin = 0.2; pin_x = 0.2; long = 8; short = 4;     // side of a pin, its place beside the middle, lengths
+width = 6; depth = 4; height = 18.2;
+feeder = 0.8; feeder_floor = 16;                 // square, open at the top
+pin = 0.2; pin_x = 0.2; long = 14; short = 3;     // side of a pin, its place beside the middle, lengths
 
 Box(1) = {-width / 2, -depth / 2, 0, width, depth, height};
 Box(2) = {-feeder / 2, -feeder / 2, feeder_floor, feeder, feeder, height - feeder_floor + 1};
