@@ -217,7 +217,7 @@ static size_t points_within(const Chart *chart, const PicturePlot *plot, Picture
 }
 
 /* The corner with the fewest points beneath; the upper right among equals. */
-static PictureBox place_legend(const Chart *chart, const PicturePlot *plot, double width, double height)
+static PictureBox place_within(const Chart *chart, const PicturePlot *plot, double width, double height)
 {
   const double gap = 0.6 * chart->unit;
   const PictureBox *box = &chart->box;
@@ -234,18 +234,44 @@ static PictureBox place_legend(const Chart *chart, const PicturePlot *plot, doub
   return best;
 }
 
-static void draw_legend(cairo_t *cairo, const Chart *chart, const PicturePlot *plot)
+/* A legend of more lines stands beside the plot, where it hides nothing. */
+enum { MOST_LINES_WITHIN = 5 };
+
+typedef struct Legend {
+  int lines;
+  double width, height; // pixels
+} Legend;
+
+static Legend measure_legend(cairo_t *cairo, const PicturePlot *plot, double u)
 {
-  const double u = chart->unit;
-  double width = 0.0;
-  int lines = 0;
+  Legend legend = {0};
   for (size_t c = 0; c < plot->n_curves; c++) {
     if (!plot->curves[c].label) continue;
-    width = fmax(width, picture_text_width(cairo, plot->curves[c].label, 0.92 * u));
-    lines++;
+    legend.width = fmax(legend.width, picture_text_width(cairo, plot->curves[c].label, 0.92 * u));
+    legend.lines++;
   }
-  if (lines == 0) return;
-  const PictureBox box = place_legend(chart, plot, width + 4.2 * u, 1.5 * u * lines + 0.6 * u);
+  legend.width += 4.2 * u;
+  legend.height = 1.5 * u * legend.lines + 0.6 * u;
+  return legend;
+}
+
+/* How wide a strip beside the plot the legend takes, pixels. */
+static double strip_of(const Legend *legend, double u)
+{
+  return legend->lines > MOST_LINES_WITHIN ? legend->width + 0.6 * u : 0.0;
+}
+
+static PictureBox place_legend(const Chart *chart, const PicturePlot *plot, const Legend *legend)
+{
+  if (legend->lines <= MOST_LINES_WITHIN) return place_within(chart, plot, legend->width, legend->height);
+  return (PictureBox){chart->box.x + chart->box.width + 0.8 * chart->unit, chart->box.y, legend->width, legend->height};
+}
+
+static void draw_legend(cairo_t *cairo, const Chart *chart, const PicturePlot *plot, const Legend *legend)
+{
+  const double u = chart->unit;
+  if (legend->lines == 0) return;
+  const PictureBox box = place_legend(chart, plot, legend);
   cairo_set_source_rgba(cairo, 1.0, 1.0, 1.0, 0.88);
   cairo_rectangle(cairo, box.x, box.y, box.width, box.height);
   cairo_fill_preserve(cairo);
@@ -284,7 +310,9 @@ CastStatus picture_draw_plot(Picture *picture, int panel, const PicturePlot *plo
   const double top = plot->title ? 2.2 * u : 0.8 * u, bottom = plot->x_label ? 3.4 * u : 2.0 * u;
   place_ticks(&chart.y, whole.height - top - bottom, u);
   const double left = (plot->y_label ? 1.9 * u : 0.3 * u) + widest_label(cairo, &chart.y.ticks, 0.92 * u) + 0.6 * u;
-  chart.box = (PictureBox){whole.x + left, whole.y + top, whole.width - left - 1.6 * u, whole.height - top - bottom};
+  const Legend legend = measure_legend(cairo, plot, u);
+  const double right = 1.6 * u + strip_of(&legend, u);
+  chart.box = (PictureBox){whole.x + left, whole.y + top, whole.width - left - right, whole.height - top - bottom};
   CAST_CHECK(chart.box.width > 2.0 * u && chart.box.height > 2.0 * u, err, CAST_ERR_ARGUMENT,
              "the panels are too small for a plot");
   place_ticks(&chart.x, chart.box.width, u);
@@ -300,6 +328,6 @@ CastStatus picture_draw_plot(Picture *picture, int panel, const PicturePlot *plo
   cairo_stroke(cairo);
   draw_labels(cairo, &chart);
   draw_titles(cairo, &chart, plot, whole);
-  draw_legend(cairo, &chart, plot);
+  draw_legend(cairo, &chart, plot, &legend);
   return CAST_OK;
 }

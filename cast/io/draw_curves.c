@@ -62,26 +62,31 @@ static CastStatus add_curve(Curves *curves, const char *name, const CsvTable *ta
   return CAST_OK;
 }
 
-typedef struct Panel {
-  int place; // on the page
-  const char *title, *y_label;
-} Panel;
+typedef struct Page {
+  Picture *picture;
+  int plots; // so many panels are taken
+} Page;
 
-/* Plots the curves, unless something has failed before, and frees them. Without any the panel stays empty. */
-static CastStatus plot(CastStatus before, Picture *picture, const Panel *panel, Curves *curves, CastError *err)
+typedef struct Titles {
+  const char *title, *y_label;
+} Titles;
+
+/* Plots the curves in the page's next panel, unless something has failed before, and frees them. Without any no panel
+ * is taken. */
+static CastStatus plot(CastStatus before, Page *page, const Titles *titles, Curves *curves, CastError *err)
 {
-  const PicturePlot shown = {.title = panel->title,
+  const PicturePlot shown = {.title = titles->title,
                              .x_label = "time, ms",
-                             .y_label = panel->y_label,
+                             .y_label = titles->y_label,
                              .n_curves = curves->n,
                              .curves = curves->curve};
   CastStatus status = before;
-  if (status == CAST_OK && curves->n > 0) status = picture_draw_plot(picture, panel->place, &shown, err);
+  if (status == CAST_OK && curves->n > 0) status = picture_draw_plot(page->picture, page->plots++, &shown, err);
   curves_free(curves);
   return status;
 }
 
-static CastStatus plot_tracers(Picture *picture, const CsvTable *table, CastError *err)
+static CastStatus plot_tracers(Page *page, const CsvTable *table, CastError *err)
 {
   Curves curves = {0};
   const size_t T = csv_column(table, "temperature_K");
@@ -93,10 +98,10 @@ static CastStatus plot_tracers(Picture *picture, const CsvTable *table, CastErro
     if (known) break; // the second time: all tracers have come by
     status = add_curve(&curves, name, table, &(Column){0, T, 1.0, -ZERO_CELSIUS, name}, err);
   }
-  return plot(status, picture, &(Panel){0, "Tracked particles", "temperature, degC"}, &curves, err);
+  return plot(status, page, &(Titles){"Tracked particles", "temperature, degC"}, &curves, err);
 }
 
-static CastStatus plot_probes(Picture *picture, const CsvTable *table, CastError *err)
+static CastStatus plot_probes(Page *page, const CsvTable *table, CastError *err)
 {
   Curves curves = {0};
   CastStatus status = CAST_OK;
@@ -107,20 +112,20 @@ static CastStatus plot_probes(Picture *picture, const CsvTable *table, CastError
     if (length > 2 && strcmp(name + length - 2, "_K") == 0) name[length - 2] = '\0';
     status = add_curve(&curves, name, table, &(Column){0, k, 1.0, -ZERO_CELSIUS, NULL}, err);
   }
-  return plot(status, picture, &(Panel){1, "Probes", "temperature, degC"}, &curves, err);
+  return plot(status, page, &(Titles){"Probes", "temperature, degC"}, &curves, err);
 }
 
-static CastStatus plot_filling(Picture *picture, const CsvTable *table, CastError *err)
+static CastStatus plot_filling(Page *page, const CsvTable *table, CastError *err)
 {
   Curves curves = {0};
   CastStatus status = CAST_OK;
   for (size_t k = 0; k < table->n_columns && status == CAST_OK; k++)
     if (strncmp(table->name[k], "filled ", 7) == 0)
       status = add_curve(&curves, table->name[k] + 7, table, &(Column){0, k, 100.0, 0.0, NULL}, err);
-  return plot(status, picture, &(Panel){2, "Filling", "filled, %"}, &curves, err);
+  return plot(status, page, &(Titles){"Filling", "filled, %"}, &curves, err);
 }
 
-static CastStatus plot_melt(Picture *picture, const CsvTable *table, CastError *err)
+static CastStatus plot_melt(Page *page, const CsvTable *table, CastError *err)
 {
   static const char *const columns[] = {"melt_max_K", "melt_mean_K", "melt_min_K"};
   static const char *const names[] = {"hottest", "mean", "coldest"};
@@ -129,19 +134,19 @@ static CastStatus plot_melt(Picture *picture, const CsvTable *table, CastError *
   for (int k = 0; k < 3 && status == CAST_OK; k++)
     status =
         add_curve(&curves, names[k], table, &(Column){0, csv_column(table, columns[k]), 1.0, -ZERO_CELSIUS, NULL}, err);
-  return plot(status, picture, &(Panel){3, "Melt", "temperature, degC"}, &curves, err);
+  return plot(status, page, &(Titles){"Melt", "temperature, degC"}, &curves, err);
 }
 
-/* Read FOLDER/name and plot it; a table that the run did not write leaves its place empty. */
-static CastStatus with_table(Picture *picture, const char *folder, const char *name,
-                             CastStatus (*draw)(Picture *, const CsvTable *, CastError *), CastError *err)
+/* Read FOLDER/name and plot it; a table that the run did not write takes no place. */
+static CastStatus with_table(Page *page, const char *folder, const char *name,
+                             CastStatus (*draw)(Page *, const CsvTable *, CastError *), CastError *err)
 {
   char path[4200];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   if (access(path, F_OK) != 0) return CAST_OK;
   CsvTable table;
   CAST_CALL(csv_read(path, &table, err));
-  const CastStatus status = draw(picture, &table, err);
+  const CastStatus status = draw(page, &table, err);
   csv_table_free(&table);
   return status;
 }
@@ -150,10 +155,11 @@ CastStatus draw_curves(const char *folder, const char *picture_path, CastError *
 {
   Picture *picture = NULL;
   CAST_CALL(picture_create(&(PicturePage){.width = WIDTH, .height = HEIGHT, .columns = 2, .rows = 2}, &picture, err));
-  CastStatus status = with_table(picture, folder, "tracers.csv", plot_tracers, err);
-  if (status == CAST_OK) status = with_table(picture, folder, "probes.csv", plot_probes, err);
-  if (status == CAST_OK) status = with_table(picture, folder, "ledger.csv", plot_filling, err);
-  if (status == CAST_OK) status = with_table(picture, folder, "ledger.csv", plot_melt, err);
+  Page page = {picture, 0};
+  CastStatus status = with_table(&page, folder, "tracers.csv", plot_tracers, err);
+  if (status == CAST_OK) status = with_table(&page, folder, "probes.csv", plot_probes, err);
+  if (status == CAST_OK) status = with_table(&page, folder, "ledger.csv", plot_filling, err);
+  if (status == CAST_OK) status = with_table(&page, folder, "ledger.csv", plot_melt, err);
   if (status == CAST_OK) status = picture_save(picture, picture_path, err);
   picture_destroy(&picture);
   return status;
