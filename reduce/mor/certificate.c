@@ -66,8 +66,7 @@ PetscErrorCode certificate_take_factor(const Certificate *band, PetscReal w)
 static PetscErrorCode solve_node(Certificate *band, const KrylovBasis *basis, ShiftedSolver *solver, PetscInt i)
 {
   const size_t at = (size_t)i * (size_t)band->p * (size_t)band->p;
-  PetscReal *G = band->G + at, largest, by_sums;
-  ResidualDefect defect;
+  PetscReal *G = band->G + at, largest, by_sums, defect;
 
   PetscFunctionBeginUser;
   PetscCall(residual_energy(band->residual, solver, band->node[i], G, band->plain + at, band->heat + at));
@@ -75,11 +74,24 @@ static PetscErrorCode solve_node(Certificate *band, const KrylovBasis *basis, Sh
   PetscCall(certificate_energy(band, G, band->part[0][0], band->part[0][1]));
   PetscCall(small_hermitian_largest(band->model->comm, band->p, band->part[0][0], band->part[0][1], &largest));
   const PetscReal size = sqrt(PetscMax(largest, 0.0));
-  PetscCall(residual_defect(band->residual, basis, band->model, solver, band->weight, NEGLIGIBLE * size, &defect));
+  const ResidualExam exam = {
+      .weight = band->weight, .negligible = NEGLIGIBLE * size, .most_inputs = CERTIFICATE_MOST_PORTS};
+  PetscCall(residual_defect(band->residual, basis, band->model, solver, &exam, &defect));
   PetscCall(residual_defect_by_sums(band->residual, band->model, band->node[i], band->weight, &by_sums));
-  band->solved[i] = by_sums > 0.0 ? defect.size / by_sums : 1.0;
-  band->slip = PetscMax(band->slip, defect.slip);
-  if (size > 0.0) band->spoilt = PetscMax(band->spoilt, defect.size / size);
+  band->solved[i] = by_sums > 0.0 ? defect / by_sums : 1.0;
+  if (size > 0.0) band->spoilt = PetscMax(band->spoilt, defect / size);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode find_slip(Certificate *band, const KrylovBasis *basis)
+{
+  PetscReal *slip;
+
+  PetscFunctionBeginUser;
+  PetscCall(PetscMalloc1((size_t)band->n_nodes, &slip));
+  PetscCall(residual_slip(band->residual, basis, band->model, band->weight, band->n_nodes, band->node, slip));
+  for (PetscInt i = 0; i < band->n_nodes; i++) band->slip = PetscMax(band->slip, slip[i]);
+  PetscCall(PetscFree(slip));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -129,6 +141,7 @@ PetscErrorCode certificate_create(const KrylovBasis *basis, const ModalModel *mo
   for (PetscInt i = 0; i < band->n_nodes; i++)
     band->node[i] = i == band->n_nodes - 1 ? w_last : w_first * pow(ratio, (double)i / (double)(band->n_nodes - 1));
   PetscCall(residual_create(basis, model, &band->residual));
+  PetscCall(find_slip(band, basis));
   for (PetscInt k = 0; k < band->n_nodes; k++)
     PetscCall(solve_node(band, basis, solver, downwards ? band->n_nodes - 1 - k : k));
   PetscCall(create_error_model(band));

@@ -16,7 +16,7 @@
 typedef struct Residual {
   const ThermalSystem *system; // borrowed
   PetscInt p, r;
-  Mat R0;       // [n x p] owned
+  Mat R0;          // [n x p] owned
   PetscReal *c;    // [r x p] row-major, in the modes of the model
   PetscReal *left; // [k x r] S^T (K V - E V K_r - R_0 c^T) of k random sums S, diag(E)^(1/2) S with entries +-1/sqrt(k)
 } Residual;
@@ -32,17 +32,21 @@ PetscErrorCode residual_factor(const Residual *residual, const ModalModel *model
  *   heat   out: Z^T E Z, Z = (w E + K)^-1 R_0, minus the derivative by w */
 PetscErrorCode residual_energy(const Residual *residual, ShiftedSolver *solver, PetscReal w, PetscReal *G,
                                PetscReal *plain, PetscReal *heat);
-/* How far inexact solves, or a projection from moments, have spoilt what should hold exactly, at a rate w. */
-typedef struct ResidualDefect {
-  PetscReal size; // upper bound of ||(R(iw) - R_0 Phi(iw)) D||, in the norm of (w E + K)^-1
-  PetscReal slip; // ||D x^T V^T R D||_F, of V^T R = 0: H - H_r = R^T (iw E + K)^-1 R + x^T V^T R
-} ResidualDefect;
+/* What inexact solves have spoilt of R = R_0 Phi at a rate. */
+typedef struct ResidualExam {
+  const PetscReal *weight; // [p] D's diagonal, borrowed
+  PetscReal negligible;    // a size below it, found without any solve, will do
+  PetscInt most_inputs;    // else solves are made on all inputs, or, of more, on random sums of them
+} ResidualExam;
 
-/* At the solver's present shift w; D = diag(weight) [p]. The basis must be the one that the residual was created with.
- * A size found by random sums, without any solve, is given where it is below `negligible`; else 2 p solves are made. */
+/* An upper bound of ||(R(iw) - R_0 Phi(iw)) D|| in the norm of (w E + K)^-1, w the solver's present shift. The basis
+ * must be the one that the residual was created with. */
 PetscErrorCode residual_defect(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
-                               ShiftedSolver *solver, const PetscReal *weight, PetscReal negligible,
-                               ResidualDefect *defect);
+                               ShiftedSolver *solver, const ResidualExam *exam, PetscReal *size);
+/* What a projection from moments has spoilt of V^T R = 0, ||D x^T V^T R D||_F at n rates, slip [n]:
+ *   H - H_r = R^T (iw E + K)^-1 R + x^T V^T R. */
+PetscErrorCode residual_slip(const Residual *residual, const KrylovBasis *basis, const ModalModel *model,
+                             const PetscReal *weight, PetscInt n, const PetscReal *rate, PetscReal *slip);
 /* An upper bound of the size at any rate w, without solves and without the basis. */
 PetscErrorCode residual_defect_by_sums(const Residual *residual, const ModalModel *model, PetscReal w,
                                        const PetscReal *weight, PetscReal *size);
