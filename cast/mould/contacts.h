@@ -39,8 +39,5 @@ typedef struct ContactRules {
 /* Errors: CAST_ERR_MEMORY. */
 CastStatus contacts_build(Contacts *contacts, const ContactRules *rules, const Particles *particles,
                           const Neighbours *neighbours, CastError *err);
-/* Wall particle k's part of the conductance between fluid particle i and k's patch, up to a factor of i's; 0: none. */
-double contacts_share(const ContactRules *rules, const Particles *particles, const Neighbours *neighbours, ptrdiff_t i,
-                      ptrdiff_t k);
 void contacts_free(Contacts *contacts);
 #endif

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cast/mould/contact_row.h"
 #include "cast/mould/coupling_private.h"
 
 typedef struct Share { // of a contact's power
@@ -146,7 +147,7 @@ static ptrdiff_t add_contact(WallHeat *heat, const Coupling *coupling, const Par
   for (ptrdiff_t l = list->start[i]; l < list->start[i + 1]; l++) {
     const ptrdiff_t k = list->index[l] - p->n_fluid;
     if (p->patch[k] != coupling->contacts.patch[e] || heat->of_wall[k] < 0) continue;
-    const double part = contacts_share(&coupling->rules, p, neighbours, i, k);
+    const double part = contact_row_part(&coupling->rules, p, neighbours, i, k);
     if (part <= 0.0) continue;
     heat->share[n++] = (Share){heat->of_wall[k], (float)part};
     sum += part;
