@@ -16,9 +16,6 @@
 
 #include "cast/kernel/pair.h"
 
-/* A particle as far behind a wall particle's tangent plane as this, in spacings, does not see that side of an edge. */
-static const double behind = 0.2;
-
 ContactBuild contact_build_begin(const ContactRules *rules, const Particles *p, const Neighbours *neighbours)
 {
   const double h = rules->sph->h, *period = neighbours_period(neighbours);
@@ -80,7 +77,7 @@ static int32_t contact_of(ContactShare *share, ptrdiff_t first, ptrdiff_t i, int
 static ptrdiff_t gather_near(const ContactBuild *b, ptrdiff_t i, ContactTouch *touch)
 {
   const bool all = b->rules->kind == COUPLING_EMBEDDED;
-  const double lowest = -behind * b->rules->sph->spacing;
+  const double lowest = -contact_behind * b->rules->sph->spacing;
   ptrdiff_t n = 0;
   for (ptrdiff_t l = b->list->start[i]; l < b->list->start[i + 1]; l++) {
     const int32_t k = b->list->index[l] - (int32_t)b->p->n_fluid;
@@ -183,6 +180,6 @@ double contact_row_part(const ContactRules *rules, const Particles *p, const Nei
   ContactTouch touch;
   place_touch(&build, i, &wall, &touch);
   measure_rows(&build, rules->sph->kernel, 2.0 * p->volume[i], &touch, 1);
-  if (touch.area <= 0.0 || touch.distance < -behind * rules->sph->spacing) return 0.0;
+  if (touch.area <= 0.0 || touch.distance < -contact_behind * rules->sph->spacing) return 0.0;
   return touch.area / fmax(touch.distance, rules->least_distance);
 }

@@ -6,6 +6,9 @@
 
 #include "cast/mould/coupling.h"
 
+/* A particle as far behind a wall particle's tangent plane as this, in spacings, does not see that side of an edge. */
+static const double contact_behind = 0.2;
+
 typedef struct WallFacing WallFacing; // what contacts need of a wall particle
 
 typedef struct Contacts {

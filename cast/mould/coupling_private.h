@@ -1,5 +1,6 @@
 /* coupling_private.h - what the files of the coupling share.
- * coupling.c  life, contacts and wetted areas, books       exchange.c  powers, flows, the mould's step, sub-steps */
+ * coupling.c  life, contacts and wetted areas, books       conductance.c  of the pairs, once a step
+ * exchange.c  powers, flows, the mould's step, sub-steps */
 #ifndef CAST_MOULD_COUPLING_PRIVATE_H
 #define CAST_MOULD_COUPLING_PRIVATE_H
 
@@ -48,6 +49,10 @@ struct Coupling {
   double melt_start;                  // J
   Total exchanged, removed, added, absorbed; // J
 };
+
+/* Conductances of the contacts' pairs, W/K, and what of them the time step depends on: from the particles' places, T
+ * and kappa. */
+void coupling_set_conductances(Coupling *coupling, const Particles *particles);
 
 static inline void total_add(Total *total, double term)
 {
