@@ -1,47 +1,16 @@
 /* Neighbour lists: grid of cells, particles sorted by cell, then for each particle the points of the cells around it
  * tested against its distance (Verlet lists with a skin).
  * Lists are built by rows that threads take in contiguous shares, so a list does not depend on their number; the walls'
- * is the transpose of the fluid's. */
+ * is the transpose of the fluid's. How long lists last: neighbours_due.c. */
 #include "cast/particles/neighbours.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/particles/approach.h"
-#include "cast/particles/cells.h"
 #include "cast/particles/hiding.h"
-#include "cast/particles/pair_list.h"
+#include "cast/particles/neighbours_private.h"
 #include "cast/particles/pair_prune.h"
-#include "cast/particles/vicinity.h"
-
-/* How much nearer particles may come, m: fluid to fluid, and to a wall, which stands still. */
-typedef struct Skins {
-  double fluid, wall;
-} Skins;
-
-struct Neighbours {
-  double reach, most_skin; // m
-  double spacing, step;    // m, s; step 0: skins stay as they are
-  Skins listed;            // of the lists when they were made
-  Skins wanted;            // of the rows' near parts, if there is time for it
-  Skins near;              // of the near parts when they were told apart
-  Skins used;              // since the lists were made particles may have come nearer by so much
-  const Surface *surface;
-  double period[3];
-  Cells fluid_cells, wall_cells;
-  double *sorted_wall[3]; // [n_wall] positions in the order of wall_cells
-  ptrdiff_t n_wall;       // -1: walls not sorted yet
-  float *built_at[3];     // [n_fluid] positions when the near parts were told apart
-  double rounding;        // m, at most so far are these from the positions
-  uint8_t *thin;          // [n_fluid] a thin mould wall is near
-  ptrdiff_t n_fluid, capacity;
-  PairList fluid_fluid, fluid_wall, wall_fluid;
-  RowBuffers buffers;
-  Approach approach;
-  long builds;
-};
 
 double neighbours_skin(double spacing)
 {
@@ -114,7 +83,7 @@ void neighbours_destroy(Neighbours **neighbours)
   *neighbours = NULL;
 }
 
-/* ---- is a rebuild due? ---- */
+/* ---- sorting ---- */
 
 static CastStatus check_positions(const Particles *p, CastError *err)
 {
@@ -128,68 +97,6 @@ static CastStatus check_positions(const Particles *p, CastError *err)
              p->id[bad], p->x[0][bad], p->x[1][bad], p->x[2][bad]);
   return CAST_OK;
 }
-
-static double longest_way(const Neighbours *nb, const Particles *p)
-{
-  double longest2 = 0.0;
-#pragma omp parallel for simd reduction(max : longest2)
-  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-    const double dx = p->x[0][i] - (double)nb->built_at[0][i], dy = p->x[1][i] - (double)nb->built_at[1][i],
-                 dz = p->x[2][i] - (double)nb->built_at[2][i], way2 = dx * dx + dy * dy + dz * dz;
-    longest2 = way2 > longest2 ? way2 : longest2;
-  }
-  return sqrt(longest2);
-}
-
-typedef enum Due { NOTHING_DUE, ROWS_DUE, LISTS_DUE } Due;
-
-/* Lists hold while no pair that they lack can have come within reach, near parts likewise. Walls stand still. */
-static CastStatus find_due(Neighbours *nb, const Particles *p, Due *due, CastError *err)
-{
-  *due = nb->builds == 0 || nb->n_fluid != p->n_fluid ? LISTS_DUE : NOTHING_DUE;
-  if (*due != NOTHING_DUE) return CAST_OK;
-  Skins way = {.wall = longest_way(nb, p) + nb->rounding};
-  if (way.wall <= nb->near.wall && way.wall <= 0.5 * nb->near.fluid) return CAST_OK;
-  *due = LISTS_DUE;
-  if (!(nb->used.wall + way.wall <= fmin(nb->listed.wall, 0.5 * nb->reach)))
-    return CAST_OK; // beyond: particles of distant blocks might meet
-  CAST_CALL(approach_bound(&nb->approach, &nb->fluid_cells, p->x, nb->built_at, &way.fluid, err));
-  way.fluid += 2.0 * nb->rounding;
-  if (way.wall <= nb->near.wall && way.fluid <= nb->near.fluid) {
-    *due = NOTHING_DUE;
-    return CAST_OK;
-  }
-  nb->used.fluid += way.fluid;
-  nb->used.wall += way.wall;
-  const Skins left = {nb->listed.fluid - nb->used.fluid, fmin(nb->listed.wall, 0.5 * nb->reach) - nb->used.wall};
-  // what would hold for a step or two is not worth telling apart
-  if (left.fluid >= 0.5 * nb->wanted.fluid && left.wall >= 0.5 * nb->wanted.wall) *due = ROWS_DUE;
-  return CAST_OK;
-}
-
-/* ---- skins ---- */
-
-/* Sums over pairs cost A (1 + near/reach)^3 a step, each telling of near parts C, each making of lists B, both times (1
- * + listed/reach)^3. With C/A near 0.3 and B/C near 10 the least lies near these square roots of the fastest particle's
- * way in a step, and is flat there (docs/performance). */
-static void choose_skins(Neighbours *nb, const Particles *p)
-{
-  if (!(nb->step > 0.0)) return;
-  double v2 = 0.0;
-#pragma omp parallel for simd reduction(max : v2)
-  for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-    const double v2_i = p->v[0][i] * p->v[0][i] + p->v[1][i] * p->v[1][i] + p->v[2][i] * p->v[2][i];
-    v2 = v2_i > v2 ? v2_i : v2;
-  }
-  const double way = sqrt(sqrt(v2) * nb->step / nb->spacing), least_near = 0.06, least_listed = 0.15;
-  const double near = 0.9 * way, listed = 3.0 * way, most = neighbours_range(nb->reach, nb->most_skin) - nb->reach;
-  nb->wanted.fluid = (near > least_near ? near : least_near) * nb->spacing;
-  nb->wanted.wall = 1.5 * nb->wanted.fluid; // melt moves faster past a wall than past melt nearby
-  nb->listed.fluid = fmin((listed > least_listed ? listed : least_listed) * nb->spacing, most);
-  nb->listed.wall = nb->listed.fluid;
-}
-
-/* ---- sorting ---- */
 
 static CastStatus reserve_fluid(Neighbours *nb, ptrdiff_t n, CastError *err)
 {
@@ -315,23 +222,10 @@ static bool fill_row(const void *context, ptrdiff_t row, RowBuffer *buffer)
   return true;
 }
 
-/* In single precision: whether lists hold is a question of a tenth of a spacing. */
-static void remember_positions(Neighbours *nb, const Particles *p)
-{
-  const Cells *c = &nb->fluid_cells;
-  double far = 0.0;
-  for (int d = 0; d < 3; d++) {
-    far = fmax(far, fmax(fabs(c->low[d]), fabs(c->low[d] + c->size[d] * c->count[d])));
-#pragma omp parallel for simd
-    for (ptrdiff_t i = 0; i < p->n_fluid; i++) nb->built_at[d][i] = (float)p->x[d][i];
-  }
-  nb->rounding = sqrt(3.0) * 0.5 * (double)FLT_EPSILON * far;
-}
-
 /* Tell apart in all rows what may lie within reach soon from what may later. */
 static CastStatus split_rows(Neighbours *nb, Particles *p, CastError *err)
 {
-  remember_positions(nb, p);
+  neighbours_remember_positions(nb, p);
   nb->near = (Skins){fmin(nb->wanted.fluid, nb->listed.fluid - nb->used.fluid),
                      fmin(nb->wanted.wall, nb->listed.wall - nb->used.wall)};
   if (!(nb->near.fluid < nb->listed.fluid || nb->near.wall < nb->listed.wall)) return CAST_OK;
@@ -348,7 +242,7 @@ static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
   CAST_CALL(check_positions(p, err));
   CAST_CALL(reserve_fluid(nb, p->n_fluid, err));
   CAST_CALL(sort_walls(nb, p, err));
-  choose_skins(nb, p);
+  neighbours_choose_skins(nb, p);
   wrap_positions(nb, p);
   CAST_CALL(cells_sort(&nb->fluid_cells, p->n_fluid, p->x, nb->reach + nb->listed.fluid, nb->period, err));
   sort_fluid(nb, p);
@@ -367,7 +261,7 @@ static CastStatus build(Neighbours *nb, Particles *p, CastError *err)
 CastStatus neighbours_update(Neighbours *nb, Particles *particles, bool force, bool *rebuilt, CastError *err)
 {
   Due due;
-  CAST_CALL(find_due(nb, particles, &due, err));
+  CAST_CALL(neighbours_find_due(nb, particles, &due, err));
   if (force) due = LISTS_DUE;
   if (rebuilt) *rebuilt = due == LISTS_DUE;
   if (due == ROWS_DUE) return split_rows(nb, particles, err);
