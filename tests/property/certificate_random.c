@@ -10,7 +10,7 @@
 #include "tests/support/full_transfer.h"
 #include "tests/support/mould_case.h"
 #include "tests/support/random_mould.h"
-#include "tests/support/shaped_mould.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/validation.h"
 
 enum { MOULDS = 20, FREQUENCIES = 5 };
@@ -25,7 +25,7 @@ typedef struct Outcome {
 } Outcome;
 
 /* Tolerances from 1e-2 to 1e-4; every other mould with, every third solved by CG as loosely as the program chooses. */
-static ReductionConfig config_of(unsigned long long seed)
+static ReductionConfig config_of(uint64_t seed)
 {
   ReductionConfig config = rational_config();
   config.t_start = 0.05; // in a millisecond heat goes a tenth of the smallest cell
@@ -36,10 +36,10 @@ static ReductionConfig config_of(unsigned long long seed)
   return config;
 }
 
-static void examine(unsigned long long seed, Outcome *outcome)
+static void examine(uint64_t seed, Outcome *outcome)
 {
   const ReductionConfig config = config_of(seed);
-  unsigned long long random = seed + 4711;
+  uint64_t random = seed + 4711;
   ThermalSystem *system;
   ReducedModel *model;
   TEST_PETSC(random_mould_create(seed, &system));
@@ -51,7 +51,7 @@ static void examine(unsigned long long seed, Outcome *outcome)
                  ratio = rom_certificate_bound(&model->certificate, w) / error;
     if (!(ratio >= 1.0 && (ratio <= 3.0 || error <= MATTERS * config.tolerance)))
       print_error("mould %llu, n = %d, m = %d, tolerance %.0e: w = %.3g rad/s, error %.3e, bound %.2f times that\n",
-                  seed, (int)system->n, (int)system->m, config.tolerance, w, error, ratio);
+                  (unsigned long long)seed, (int)system->n, (int)system->m, config.tolerance, w, error, ratio);
     outcome->least = fmin(outcome->least, ratio);
     if (error > MATTERS * config.tolerance) outcome->most = fmax(outcome->most, ratio);
   }
@@ -87,7 +87,7 @@ static void the_true_error_is_below_what_is_certified_and_not_far(void **state)
   TEST_PETSC(PetscOptionsGetInt(NULL, NULL, "-moulds", &n, NULL));
   const PetscBool usual = (PetscBool)(first == 0 && n == MOULDS);
   if (usual) validation_begin("R2 random");
-  for (PetscInt k = 0; k < n; k++) examine((unsigned long long)(first + k), &outcome);
+  for (PetscInt k = 0; k < n; k++) examine((uint64_t)(first + k), &outcome);
   if (usual) report(&outcome, start);
   print_message("moulds %d to %d: certified over true %.2f to %.2f, certificate %.2f of the reduction's time\n",
                 (int)first, (int)(first + n - 1), outcome.least, outcome.most, outcome.certificate / outcome.reduction);

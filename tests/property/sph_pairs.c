@@ -15,7 +15,7 @@
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/lattice_tank.h"
-#include "tests/support/shaped_mould.h"
+#include "tests/support/random_numbers.h"
 
 enum { SIDE = 9, N = SIDE * SIDE * SIDE, KINDS = 4 };
 static const double spacing = 1e-3;
@@ -44,7 +44,7 @@ static Cloud make_cloud(KernelKind kernel)
 {
   Cloud cloud = {.sph = melt_parameters(kernel)};
   static double x[3][N];
-  unsigned long long seed = 5;
+  uint64_t seed = 5;
   for (int i = 0; i < N; i++) {
     const int at[3] = {i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE)};
     for (int d = 0; d < 3; d++) x[d][i] = spacing * (at[d] + 0.4 * random_unit(&seed) - 0.2);
@@ -60,7 +60,7 @@ static Cloud make_cloud(KernelKind kernel)
 static void disturb(Cloud *cloud)
 {
   Particles *p = &cloud->p;
-  unsigned long long seed = 13;
+  uint64_t seed = 13;
   for (int i = 0; i < N; i++) {
     for (int d = 0; d < 3; d++) p->v[d][i] = random_unit(&seed) - 0.5;
     p->rho[i] = cloud->sph.rho0 * (1.0 + 0.02 * (random_unit(&seed) - 0.5));
@@ -332,7 +332,7 @@ static void fast_and_plain_form_agree_at_walls_and_across_ends(void **unused)
     if (kind % 2 == 0) tank.sph.spin = (Spin){{5e-3, 5e-3, 0.0}, {0.0, 0.0, 30.0}, {0.0, 0.0, 0.0}};
     lattice_tank_create(&tank);
     Particles *p = &tank.particles;
-    unsigned long long seed = 17;
+    uint64_t seed = 17;
     for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
       for (int d = 0; d < 3; d++) {
         p->x[d][i] += 0.3 * spacing * (random_unit(&seed) - 0.5);

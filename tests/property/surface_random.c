@@ -9,6 +9,7 @@
 #include "cast/geometry/surface_internal.h"
 #include "cast/geometry/walls.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
 
 enum { BOXES = 5, MOULDS = 12 };
@@ -22,7 +23,7 @@ typedef struct RandomMould {
 } RandomMould;
 
 /* Two boxes cut out, one put back, two more cut out; none reaches the block's own faces. */
-static void make_mould(unsigned long long *seed, double reach, RandomMould *made)
+static void make_mould(uint64_t *seed, double reach, RandomMould *made)
 {
   for (int b = 0; b < BOXES; b++) {
     made->box[b].solid = b % 3 == 2;
@@ -78,7 +79,7 @@ static bool in_boxes(const RandomMould *made, const double x[3], double *margin)
 static void inside_agrees_with_the_boxes_it_was_made_of(void **state)
 {
   (void)state;
-  unsigned long long seed = 21;
+  uint64_t seed = 21;
   for (int m = 0; m < MOULDS; m++) {
     RandomMould made;
     make_mould(&seed, 0.1 + 0.5 * random_unit(&seed), &made);
@@ -97,7 +98,7 @@ static void inside_agrees_with_the_boxes_it_was_made_of(void **state)
 static void nearest_agrees_with_looking_at_every_triangle(void **state)
 {
   (void)state;
-  unsigned long long seed = 22;
+  uint64_t seed = 22;
   for (int m = 0; m < MOULDS; m++) {
     RandomMould made;
     make_mould(&seed, 0.6, &made);
@@ -124,7 +125,7 @@ static void nearest_agrees_with_looking_at_every_triangle(void **state)
 static void rays_meet_the_surface_where_mould_and_void_change(void **state)
 {
   (void)state;
-  unsigned long long seed = 23;
+  uint64_t seed = 23;
   for (int m = 0; m < MOULDS; m++) {
     RandomMould made;
     make_mould(&seed, 0.6, &made);
@@ -153,7 +154,7 @@ static void rays_meet_the_surface_where_mould_and_void_change(void **state)
 static void hiding_is_mutual(void **state)
 {
   (void)state;
-  unsigned long long seed = 24;
+  uint64_t seed = 24;
   int hidden = 0;
   for (int m = 0; m < MOULDS; m++) {
     RandomMould made;
@@ -203,7 +204,7 @@ static void compare_walls(const RandomMould *made, const WallSet *walls, const d
   }
 }
 
-static void compare_void(const RandomMould *made, unsigned long long *seed, const double a[3], const Sight *sight,
+static void compare_void(const RandomMould *made, uint64_t *seed, const double a[3], const Sight *sight,
                          QuickAnswers *count)
 {
   for (int i = 0; i < 200; i++) {
@@ -223,7 +224,7 @@ static void what_is_surely_in_sight_is_in_sight(void **state)
 {
   (void)state;
   const double reach = 0.8, origin[3] = {0.0, 0.0, 0.0};
-  unsigned long long seed = 25;
+  uint64_t seed = 25;
   QuickAnswers count = {0};
   for (int m = 0; m < MOULDS; m++) {
     RandomMould made;

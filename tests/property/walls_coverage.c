@@ -11,6 +11,7 @@
 #include "cast/geometry/cut.h"
 #include "cast/geometry/walls.h"
 #include "cast/kernel/kernel.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
 
 #define H 1.3
@@ -95,7 +96,7 @@ static void check_coverage(const ShapedMould *shape, const double low[3], const 
   CastError err = {0};
   if (surface_create(rom, REACH, &surface, &err) != CAST_OK) fail_msg("%s", err.message);
   if (walls_generate(surface, 1.0, REACH, ORIGIN, &walls, &err) != CAST_OK) fail_msg("%s", err.message);
-  unsigned long long seed = 7;
+  uint64_t seed = 7;
   double square = 0.0;
   for (int n = 0; n < PLACES;) {
     double x[3];

@@ -1,4 +1,5 @@
 #include "tests/support/coupling_case.h"
+#include "tests/support/random_numbers.h"
 
 #include <string.h>
 
@@ -41,19 +42,13 @@ MeltCase coupling_case_block(CouplingKind kind, int across, int high)
   return given;
 }
 
-static double uniform(uint64_t *seed) // in [0, 1)
-{
-  *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-  return (double)(*seed >> 11) * 0x1p-53;
-}
-
 void coupling_case_shake(MeltOnMould *melt, double most)
 {
   uint64_t seed = 7;
   Particles *p = &melt->particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
-    for (int d = 0; d < 3; d++) p->x[d][i] += most * dx * (uniform(&seed) - 0.5);
-    p->E[i] = material_enthalpy(&melt->melt, 1000.0 + 500.0 * uniform(&seed));
+    for (int d = 0; d < 3; d++) p->x[d][i] += most * dx * (random_unit(&seed) - 0.5);
+    p->E[i] = material_enthalpy(&melt->melt, 1000.0 + 500.0 * random_unit(&seed));
   }
   sph_initialise(&melt->sph, p);
   melt_on_mould_rebuild(melt);

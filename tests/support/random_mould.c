@@ -5,18 +5,18 @@
 #include <string.h>
 
 #include "reduce/petsc_compat.h"
-#include "tests/support/shaped_mould.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/voxel_mould.h"
 
 enum { HALVES = 2, MOST_PATCHES = 6 * HALVES + 1, OUTER = MOST_PATCHES - 1 };
 
 typedef struct Shape {
-  unsigned long long seed;
+  uint64_t seed;
   double split, low_kappa, high_kappa, rho_c[2], h;
   int split_axis;
 } Shape;
 
-static int random_between(unsigned long long *seed, int low, int high)
+static int random_between(uint64_t *seed, int low, int high)
 {
   return low + (int)(random_unit(seed) * (double)(high - low + 1));
 }
@@ -177,7 +177,7 @@ static PetscErrorCode assemble(const RomData *mesh, const Shape *shape, ThermalS
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode random_mould_create(unsigned long long seed, ThermalSystem **system)
+PetscErrorCode random_mould_create(uint64_t seed, ThermalSystem **system)
 {
   Shape shape = {.seed = seed * 977 + 13};
   RomData *mesh = synthetic_array(1, sizeof *mesh);

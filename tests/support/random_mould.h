@@ -8,6 +8,6 @@
 /* A block of 15-40 mm with one to three boxes cut out, 8-13 graded cells along each axis, two materials that may differ
  * a hundredfold in conductivity, up to 12 patches on the cavity, the outer wall as one more, insulated for every fifth
  * seed. The same seed gives the same mould. */
-PetscErrorCode random_mould_create(unsigned long long seed, ThermalSystem **system);
+PetscErrorCode random_mould_create(uint64_t seed, ThermalSystem **system);
 
 #endif

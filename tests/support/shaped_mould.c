@@ -113,14 +113,3 @@ void bend_cylinder(const void *a_and_b, double x[3])
 {
   round_off(a_and_b, 2, x);
 }
-
-double random_unit(unsigned long long *seed)
-{
-  *seed = *seed * 6364136223846793005ULL + 1442695040888963407ULL;
-  return (double)(*seed >> 11) / 9007199254740992.0;
-}
-
-void random_point(unsigned long long *seed, const double low[3], const double high[3], double x[3])
-{
-  for (int d = 0; d < 3; d++) x[d] = low[d] + (high[d] - low[d]) * random_unit(seed);
-}

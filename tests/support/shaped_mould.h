@@ -32,8 +32,4 @@ void bend_turn(const void *turn, double x[3]);
 void bend_ball(const void *a_and_b, double x[3]);
 void bend_cylinder(const void *a_and_b, double x[3]);
 
-/* A fixed sequence of random numbers in [0, 1). */
-double random_unit(unsigned long long *seed);
-void random_point(unsigned long long *seed, const double low[3], const double high[3], double x[3]);
-
 #endif

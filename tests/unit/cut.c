@@ -7,6 +7,7 @@
 
 #include "cast/geometry/cut.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
 
 static Surface *make_surface(const ShapedMould *shape, RomData **rom)
@@ -40,7 +41,7 @@ static CutPart sum_cells(const Surface *surface, const double low[3], int n, dou
 static void cells_of_a_turned_block_add_up_to_its_volume_and_moment(void **state)
 {
   (void)state;
-  unsigned long long seed = 2;
+  uint64_t seed = 2;
   for (int trial = 0; trial < 5; trial++) {
     Turn turn = {.angle = 3.0 * random_unit(&seed)};
     random_point(&seed, (const double[3]){-1, -1, -1}, (const double[3]){1, 1, 1}, turn.axis);

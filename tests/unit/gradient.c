@@ -10,7 +10,7 @@
 #include "cast/physics/gradient.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/lattice_tank.h"
-#include "tests/support/shaped_mould.h"
+#include "tests/support/random_numbers.h"
 
 static const double DX = 1e-4;
 
@@ -26,7 +26,7 @@ static LatticeTank disordered_pool(int depth)
       .layers = 4,
       .sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1.5 * DX, .spacing = DX, .rho0 = 7000.0, .c0 = 10.0, .gamma = 7.0}};
   lattice_tank_create(&tank);
-  unsigned long long seed = 7;
+  uint64_t seed = 7;
   Particles *p = &tank.particles;
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
     for (int d = 0; d < 3 && depth > 1; d++) p->x[d][i] += 0.4 * DX * (random_unit(&seed) - 0.5);

@@ -14,13 +14,13 @@
 #include "cast/particles/neighbours.h"
 #include "cast/particles/pair_prune.h"
 #include "tests/support/assert_ok.h"
-#include "tests/support/shaped_mould.h"
+#include "tests/support/random_numbers.h"
 
 enum { FLUID = 1200, WALLS = 500 };
 static const double spacing = 0.05, reach = 0.13;
 
 /* Melt and walls at random in [0, 1]^3; melt goes about at random, each particle at its own speed of at most one. */
-static Particles swarm(unsigned long long seed)
+static Particles swarm(uint64_t seed)
 {
   static double x[3][FLUID], w[3][WALLS], zero[WALLS], one[WALLS];
   static int32_t patch[WALLS];
@@ -112,7 +112,7 @@ static void near_parts_hold_all_pairs_within_reach_as_particles_move(void **unus
 static void rows_are_split_alike_with_and_without_vectors(void **unused)
 {
   (void)unused;
-  unsigned long long seed = 3;
+  uint64_t seed = 3;
   Particles p = swarm(seed);
   PrunePlace *room = aligned_alloc(16, (size_t)p.n * sizeof *room);
   const PrunePlaces places = prune_places(&p, reach, (const double[3]){1.0, 0.0, 0.0}, room);

@@ -13,13 +13,14 @@
 #include "cast/particles/neighbours.h"
 #include "cast/particles/vicinity.h"
 #include "tests/support/assert_ok.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
 
 enum { FLUID = 1500, WALLS = 700 };
 static const double reach = 0.13, skin = 0.02;
 
 /* A cloud of fluid in [0, 1]^3 with walls in its lower half, at random; one fluid particle far away. */
-static Particles cloud(unsigned long long seed, bool far_one)
+static Particles cloud(uint64_t seed, bool far_one)
 {
   static double x[3][FLUID], w[3][WALLS], zero[WALLS], one[WALLS];
   static int32_t patch[WALLS];
@@ -238,7 +239,7 @@ static void no_pair_comes_within_reach_unlisted(void **unused)
   Neighbours *nb = NULL;
   ok(neighbours_create(reach, skin, NULL, &nb, &err), &err);
   ok(neighbours_update(nb, &p, false, NULL, &err), &err);
-  unsigned long long seed = 31;
+  uint64_t seed = 31;
   int kept = 0;
   for (int step = 0; step < 40; step++) { // a flow that turns one way below and the other above, and noise
     for (int i = 0; i < FLUID; i++) {
@@ -346,7 +347,7 @@ static void a_thin_mould_wall_keeps_two_basins_apart(void **unused)
   ok(surface_create(rom, 2.0 * (reach + skin), &surface, &err), &err);
   enum { N = 2000 };
   static double x[3][N];
-  unsigned long long seed = 21;
+  uint64_t seed = 21;
   for (int i = 0; i < N; i++) { // near the wall on both sides, and some above the rim
     x[0][i] = (i % 2 ? 1.0 : -1.0) * (0.026 + 0.1 * random_unit(&seed));
     x[1][i] = 0.6 * random_unit(&seed) - 0.3;

@@ -12,6 +12,7 @@
 
 #include "cast/mould/rom_state.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/synthetic_rom.h"
 
 static const double preheat = 973.0, ambient = 300.0;
@@ -40,12 +41,6 @@ static RomState *start(const RomData *rom, RomScheme scheme, double outside)
   RomState *state = NULL;
   if (rom_state_create(rom, scheme, preheat, outside, &state, &err) != CAST_OK) fail_msg("%s", err.message);
   return state;
-}
-
-static double uniform(uint64_t *seed) // in [0, 1)
-{
-  *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-  return (double)(*seed >> 11) * 0x1p-53;
 }
 
 /* ---- the step ---- */
@@ -116,9 +111,9 @@ static void check_conservation(RomScheme scheme)
   long double given = 0.0L, size = 0.0L;
   double q[4];
   for (int n = 0; n < 100000; n++) {
-    const double dt = n % 100 == 0 ? pow(10.0, -7.0 + 7.0 * uniform(&seed)) : 1e-5;
+    const double dt = n % 100 == 0 ? pow(10.0, -7.0 + 7.0 * random_unit(&seed)) : 1e-5;
     for (size_t l = 0; l < rom->m; l++) {
-      q[l] = 20.0 * uniform(&seed) - 8.0;
+      q[l] = 20.0 * random_unit(&seed) - 8.0;
       given += (long double)q[l] * dt;
       size += fabsl((long double)q[l] * dt);
     }
@@ -164,7 +159,7 @@ static void a_model_of_many_patches_conserves_heat_too(void **unused)
   uint64_t seed = 4;
   for (int n = 0; n < 300; n++) {
     for (size_t l = 0; l < rom->m; l++) {
-      q[l] = 20.0 * uniform(&seed) - 8.0;
+      q[l] = 20.0 * random_unit(&seed) - 8.0;
       given += q[l] * 0.01;
       size += fabs(q[l] * 0.01);
     }
@@ -184,7 +179,7 @@ static void a_model_of_many_patches_has_its_temperatures_to_a_millionth_of_the_r
   RomState *state = start(rom, ROM_EXPONENTIAL, preheat); // no drive from outside
   double *q = calloc(m, sizeof *q), *T = calloc(m, sizeof *T), *ahead = calloc(m, sizeof *ahead), rise = 0.0;
   uint64_t seed = 5;
-  for (size_t l = 0; l < m; l++) q[l] = uniform(&seed);
+  for (size_t l = 0; l < m; l++) q[l] = random_unit(&seed);
   rom_state_step_ahead(state, q, 0.02, ahead);
   for (int turn = 0; turn < 2; turn++) {
     memset(T, 0, m * sizeof *T);

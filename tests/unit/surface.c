@@ -9,6 +9,7 @@
 
 #include "cast/geometry/surface_internal.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
 
 #define PI 3.14159265358979323846
@@ -68,7 +69,7 @@ static void nearest_matches_closed_form_of_box_in_box(void **state)
   RomData *rom;
   Surface *surface = make_surface(&shape, 0.6, &rom);
   const double low[3] = {-4.0, -4.0, -4.0}, high[3] = {4.0, 4.0, 4.5};
-  unsigned long long seed = 1;
+  uint64_t seed = 1;
   int hits = 0;
   for (int i = 0; i < 20000; i++) {
     double x[3];
@@ -130,7 +131,7 @@ static double ball_error(int n)
   const ShapedMould shape = {{-2, -2, -2}, {2, 2, 2}, 1, &ball, 2.0 / n, bend_ball, ab};
   RomData *rom;
   Surface *surface = make_surface(&shape, 0.5, &rom);
-  unsigned long long seed = 5;
+  uint64_t seed = 5;
   double worst = 0.0;
   for (int i = 0; i < 4000; i++) {
     double x[3];
@@ -228,7 +229,7 @@ static void a_thick_mould_hides_nothing_and_is_known_to(void **state)
   const ShapedMould shape = tub_with_fin(4.0, box);
   RomData *rom;
   Surface *s = make_surface(&shape, 2.6, &rom);
-  unsigned long long seed = 3;
+  uint64_t seed = 3;
   for (int i = 0; i < 5000; i++) {
     double x[3];
     random_point(&seed, (const double[3]){-12, -12, -12}, (const double[3]){12, 12, 12}, x);
@@ -246,7 +247,7 @@ static void thin_walls_are_flagged_wherever_they_may_hide(void **state)
   const ShapedMould shape = tub_with_fin(1.0, box);
   RomData *rom;
   Surface *s = make_surface(&shape, 2.6, &rom);
-  unsigned long long seed = 4;
+  uint64_t seed = 4;
   int hidden = 0;
   for (int i = 0; i < 200000; i++) {
     double a[3], b[3], d[3];
@@ -280,7 +281,7 @@ static void nothing_passes_between_triangles(void **state)
     shape.context = &turn;
     RomData *rom;
     Surface *s = make_surface(&shape, 2.6, &rom);
-    unsigned long long seed = 8;
+    uint64_t seed = 8;
     int tried = 0;
     for (ptrdiff_t t = 0; t < s->n_triangles; t++) {
       const Facet *facet = &s->facet[t];
@@ -340,7 +341,7 @@ static void round_pins_side_by_side_do_not_see_each_other(void **state)
   CastError err = {0};
   Surface *s;
   if (surface_create(rom, 2.6, &s, &err) != CAST_OK) fail_msg("%s", err.message);
-  unsigned long long seed = 11;
+  uint64_t seed = 11;
   int tried = 0;
   for (int i = 0; i < 200000 && tried < 3000; i++) {
     double a[3], b[3];

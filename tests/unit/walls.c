@@ -11,6 +11,7 @@
 #include "cast/geometry/walls.h"
 #include "cast/kernel/kernel.h"
 #include "tests/support/assert_close.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
 
 #define PI 3.14159265358979323846
@@ -90,7 +91,7 @@ typedef struct PlaneErrors {
 /* A plane wall at random angles and offsets (the first one along the lattice). */
 static PlaneErrors plane_errors(double h)
 {
-  unsigned long long seed = 3;
+  uint64_t seed = 3;
   PlaneErrors errors = {0.0, 0.0};
   int n = 0;
   for (int trial = 0; trial < 8; trial++) {
@@ -182,7 +183,7 @@ static void a_thin_wall_feels_like_a_thick_one(void **state)
   const ShapedMould thin_shape = tub_with_fin(1.0, thin_box), thick_shape = tub_with_fin(10.0, thick_box);
   const double origin[3] = {0.13, 0.31, -0.27};
   Case thin = make_case(&thin_shape, 2.6, origin), thick = make_case(&thick_shape, 2.6, origin);
-  unsigned long long seed = 6;
+  uint64_t seed = 6;
   double strongest = 0.0, square = 0.0;
   for (int i = 0; i < 300; i++) {
     double x[3];
@@ -205,7 +206,7 @@ static void nothing_is_felt_of_a_thin_walls_other_side(void **state)
   ShapedBox box[2];
   const ShapedMould shape = tub_with_fin(1.0, box);
   Case made = make_case(&shape, 2.6, (const double[3]){0.13, 0.31, -0.27});
-  unsigned long long seed = 7;
+  uint64_t seed = 7;
   ptrdiff_t echoes = 0;
   for (ptrdiff_t k = 0; k < made.walls.n; k++) {
     check_particle(&made, k, 2.6);

@@ -19,7 +19,7 @@
 #include "cast/cool/graph.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/lattice_tank.h"
-#include "tests/support/shaped_mould.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/validation.h"
 
 static const double DX = 1e-4, RHO = 7000.0, C = 500.0, KAPPA = 1.0; // of body 1
@@ -70,7 +70,7 @@ static void create(Bodies *b, double disorder)
                                   .frozen_flow = true}};
   lattice_tank_create(&b->tank);
   Particles *p = &b->tank.particles;
-  unsigned long long seed = 11;
+  uint64_t seed = 11;
   const double period[3] = {SIDE * DX, SIDE * DX, n * DX};
   for (ptrdiff_t i = 0; i < p->n_fluid; i++) {
     const bool second = p->x[2][i] > b->layers[0] * DX;
