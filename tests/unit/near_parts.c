@@ -14,35 +14,17 @@
 #include "cast/particles/neighbours.h"
 #include "cast/particles/pair_prune.h"
 #include "tests/support/assert_ok.h"
+#include "tests/support/listed_cloud.h"
 #include "tests/support/random_numbers.h"
 
-enum { FLUID = 1200, WALLS = 500 };
-static const double spacing = 0.05, reach = 0.13;
+static const double spacing = CLOUD_SPACING, reach = CLOUD_REACH;
 
-/* Melt and walls at random in [0, 1]^3; melt goes about at random, each particle at its own speed of at most one. */
+/* Walls everywhere among the melt, which goes about at random, each particle at its own speed of at most one. */
 static Particles swarm(uint64_t seed)
 {
-  static double x[3][FLUID], w[3][WALLS], zero[WALLS], one[WALLS];
-  static int32_t patch[WALLS];
-  static uint8_t echo[WALLS];
-  for (int d = 0; d < 3; d++) {
-    for (int i = 0; i < FLUID; i++) x[d][i] = random_unit(&seed);
-    for (int k = 0; k < WALLS; k++) w[d][k] = random_unit(&seed);
-  }
-  for (int k = 0; k < WALLS; k++) one[k] = 1e-6;
-  const WallSet walls = {.n = WALLS,
-                         .x = {w[0], w[1], w[2]},
-                         .volume = one,
-                         .foot = {zero, zero, zero},
-                         .normal = {zero, zero, zero},
-                         .depth = zero,
-                         .patch = patch,
-                         .echo = echo};
-  double *const places[3] = {x[0], x[1], x[2]};
-  Particles p;
-  CastError err;
-  ok(particles_create(FLUID, places, spacing, 1000.0, &walls, &p, &err), &err);
-  for (int i = 0; i < FLUID; i++)
+  Particles p = cloud_create(seed, 1.0);
+  seed += 4711; // not the numbers of the places again
+  for (ptrdiff_t i = 0; i < p.n_fluid; i++)
     for (int d = 0; d < 3; d++) p.v[d][i] = (random_unit(&seed) - 0.5) * pow(random_unit(&seed), 3.0);
   return p;
 }
