@@ -20,7 +20,9 @@ CastStatus sim_tension_create(Sim *sim, CastError *err)
 {
   const CastConfig *c = sim->config;
   if (!c->tension) return CAST_OK;
-  CAST_CALL(tension_create(c->kernel, sim->sph.h, &c->melt.surface_tension_of_t, c->contact_angle, &sim->tension, err));
+  CAST_CALL(tension_create(c->kernel, sim->sph.h, c->spacing, &c->melt.surface_tension_of_t, c->contact_angle,
+                           &sim->tension, err));
+  sim->sph.wall_pull = tension_wall_pull(sim->tension);
   if (c->n_angles == 0) return CAST_OK;
   double *angle = malloc(c->n_angles * sizeof *angle);
   int32_t *of_patch = malloc(sim->rom->m * sizeof *of_patch);
@@ -51,6 +53,6 @@ void sim_tension_report(const Sim *sim)
              degrees(c->angle[k].contact_angle), c->angle[k].surface, degrees(c->contact_angle));
   if (back > 0.0)
     log_warn(sim->log,
-             "walls hold melt back up to a quarter less or more in the simulation (rows C2 of docs/validation.md): "
+             "walls hold melt back up to a seventh less or more in the simulation (rows C2 of docs/validation.md): "
              "compare that pressure with what drives the melt");
 }

@@ -5,6 +5,9 @@
 
 #include "cast/kernel/pair.h"
 
+/* Of the gradient at a flat surface: curvature is measured above. */
+static const double interface_measured_low = 0.3;
+
 /* 0 below `low`, 1 above twice that, smooth between: x the size of the fill's gradient over that at a flat surface. */
 PAIR_INLINE double interface_share(double x, double low)
 {
@@ -53,6 +56,31 @@ PAIR_INLINE double interface_at_surface(InterfaceShape shape, double depth, doub
 {
   const double k = shape.curvature, excess = 0.25 * radius * k * k + depth * shape.square;
   return k > 0.0 ? k * k / (k + excess) : k;
+}
+
+/* Stress of the surface over sigma, times a length: x, the size of the fill's gradient over that at a flat surface,
+ * less what noise has. Its slope rises smoothly from 0 at interface_stress_low to 1 at interface_stress_high. */
+static const double interface_stress_low = 0.1, interface_stress_high = 0.3;
+PAIR_INLINE double interface_stress(double x)
+{
+  const double width = interface_stress_high - interface_stress_low, s = (x - interface_stress_low) / width;
+  return s <= 0.0   ? 0.0
+         : s >= 1.0 ? x - 0.5 * (interface_stress_low + interface_stress_high)
+                    : width * s * s * s * (1.0 - 0.5 * s);
+}
+
+/* stress += size (1 - n n), a tension along the surface of normal n */
+PAIR_INLINE void interface_add_stress(double size, const double n[3], double stress[6])
+{
+  for (int a = 0, q = 0; a < 3; a++)
+    for (int b = a; b < 3; b++, q++) stress[q] += size * ((a == b ? 1.0 : 0.0) - n[a] * n[b]);
+}
+
+PAIR_INLINE void interface_times_stress(const double s[6], const double x[3], double y[3])
+{
+  y[0] = s[0] * x[0] + s[1] * x[1] + s[2] * x[2];
+  y[1] = s[1] * x[0] + s[3] * x[1] + s[4] * x[2];
+  y[2] = s[2] * x[0] + s[4] * x[1] + s[5] * x[2];
 }
 
 #endif

@@ -66,11 +66,11 @@ PAIR_INLINE REAL NAME(pair_pressure)(REAL masses, REAL P_i, REAL P_j, REAL artif
   return masses * F * ((P_i + P_j) + artificial);
 }
 
-/* The same from a wall, which pushes and never pulls: melt does not wet the mould, and a drop that was stretched a
+/* The same from a wall, which pushes and pulls at most with -least >= 0, for P_i + P_wall: a drop that was stretched a
  * little would be drawn into the wall by its own negative pressure. */
-PAIR_INLINE REAL NAME(pair_wall_pressure)(REAL masses, REAL P_i, REAL P_wall, REAL F)
+PAIR_INLINE REAL NAME(pair_wall_pressure)(REAL masses, REAL P_i, REAL P_wall, REAL least, REAL F)
 {
-  return masses * F * NAME(positive)(P_i + P_wall);
+  return masses * F * (NAME(positive)(P_i + P_wall - least) + least);
 }
 
 /* Artificial viscosity (Monaghan 1992): what is added to P_i + P_j where two particles approach, u.d < 0;

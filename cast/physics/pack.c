@@ -31,6 +31,7 @@ Sweep sweep_begin(const SphParameters *sph, Particles *particles, const Neighbou
                        .soften = 0.01 * h * h,
                        .apart = APART_STRENGTH * sph->c0 * sph->c0 / sph->rho0,
                        .per_q_apart = h / (APART_BELOW * sph->spacing),
+                       .wall_least = -2.0 * sph->wall_pull / (sph->rho0 * sph->rho0),
                        .T0 = particles->n_fluid > 0 ? particles->T[0] : 0.0}};
   const double h2 = h * h, h6 = h2 * h2 * h2;
   s.scale.si.heat = s.scale.slope * h6;

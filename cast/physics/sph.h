@@ -37,6 +37,7 @@ typedef struct SphParameters {
   double delta;                // density diffusion (delta-SPH), 0.1; 0: none
   double alpha;                // artificial viscosity, 0: none
   bool cut_tension;            // no pressure below zero (else until the melt is torn, from 2 to 5 % of stretching)
+  double wall_pull;            // Pa, with which walls pull at most (tension_wall_pull); 0: they push only
   double gravity[3], extra[3]; // m/s2, now
   Spin spin;                   // of the mould, now
   const Material *melt;        // borrowed: T(E), kappa(T), mu(T); NULL: T, kappa, mu stay as they are set

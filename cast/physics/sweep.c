@@ -91,7 +91,7 @@ PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, float rho_i, cons
                             ptrdiff_t n, Rates *sum)
 {
   const SweepScales *c = &s->scale;
-  const float mu = me[REC_MU].value, per_mu_sum = 1.0F / (mu + mu);
+  const float mu = me[REC_MU].value, per_mu_sum = 1.0F / (mu + mu), least = (float)c->wall_least;
   const float vx = me[REC_VX].value, vy = me[REC_VY].value, vz = me[REC_VZ].value;
   float drho = 0.0F, fx = 0.0F, fy = 0.0F, fz = 0.0F, sx = 0.0F, sy = 0.0F, sz = 0.0F;
 #pragma omp simd reduction(+ : drho, fx, fy, fz, sx, sy, sz)
@@ -101,7 +101,7 @@ PAIR_INLINE void wall_pairs(const Sweep *s, KernelKind kernel, float rho_i, cons
     const float volume_j = b->value[REC_VOLUME][k], volumes = me[REC_VOLUME].value * volume_j;
     const float u_dot_d = (vx - b->value[REC_WALL_VX][k]) * dx + (vy - b->value[REC_WALL_VY][k]) * dy +
                           (vz - b->value[REC_WALL_VZ][k]) * dz;
-    const float push = pair_wall_pressure_f(b->value[REC_WALL_MASS][k], me[REC_P].value, b->value[REC_P][k], F);
+    const float push = pair_wall_pressure_f(b->value[REC_WALL_MASS][k], me[REC_P].value, b->value[REC_P][k], least, F);
     const float drag = pair_viscosity_f(volumes, mu, mu, per_mu_sum, F);
     drho += pair_continuity_f(rho_i, volumes, u_dot_d, F);
     fx += push * dx - drag * (vx - b->value[REC_VX][k]);

@@ -39,6 +39,7 @@ typedef struct SweepScales {
   double soften;       // 0.01 h^2, m2: keeps the artificial viscosity finite
   double apart;        // strength of pair_apart, as p/rho^2
   double per_q_apart;  // 1/h, it begins at q = 1/per_q_apart
+  double wall_least;   // of P_i + P_wall, p/rho^2: walls pull no more
   double body[3];      // m/s2, gravity + extra
   double held[3];      // m/s2, the part of it that pressure can balance: none along an axis that repeats
   double period[3], per_period[3];

@@ -74,7 +74,8 @@ static void add_wall(const Sweep *s, ptrdiff_t i, ptrdiff_t j, Rates *sum)
   const Pair stuck = measure(s, i, j, p->v, j), moved = measure(s, i, j, p->wall_v, j - p->n_fluid);
   const double volumes = p->volume[i] * p->volume[j], F = stuck.F;
   const double P_i = p->p[i] / (whole(s, i) * whole(s, i)), P_wall = p->p[j] / (p->rho[j] * p->rho[j]);
-  const double push = pair_wall_pressure(s->scale.mass * (p->rho[j] * p->volume[j]), P_i, P_wall, F);
+  const double push =
+      pair_wall_pressure(s->scale.mass * (p->rho[j] * p->volume[j]), P_i, P_wall, s->scale.wall_least, F);
   const double drag = pair_viscosity(volumes, p->mu[i], p->mu[i], per_sum(p->mu[i], p->mu[i]), F);
   sum->drho += pair_continuity(p->rho[i], volumes, moved.u_dot_d, F) / p->volume[i];
   for (int axis = 0; axis < 3; axis++) {

@@ -1,88 +1,62 @@
-/* Method      continuum surface force on one phase, in four passes over fluid rows: fill and its gradient; curvature by
- *             least squares over normals of surface particles and, at walls, of the contact angle; curvature spread to
- *             all near them; force. Interior disorder makes normals that mean nothing, so curvature does not take them.
- * References  Brackbill, Kothe & Zemach 1992, J. Comput. Phys. 100; Morris 2000, Int. J. Numer. Methods Fluids 33;
- *             docs/theory, Surface tension */
+/* Method      continuum surface force on one phase, in three passes over fluid rows: fill, its gradients and the stress
+ *             of surfaces; curvature by least squares over normals of surface particles and, where walls are near, the
+ *             stress's divergence; curvature from what is near of both, and force. Interior disorder makes normals that
+ *             mean nothing, so curvature does not take them.
+ * References  Brackbill, Kothe & Zemach 1992, J. Comput. Phys. 100; Morris 2000, Int. J. Numer. Methods Fluids 33; Hu &
+ *             Adams 2006, J. Comput. Phys. 213 (stress at contact lines); docs/theory, Surface tension */
 #include "cast/physics/tension.h"
 
 #include <stdlib.h>
 
 #include "cast/kernel/interface.h"
+#include "cast/physics/surface_scales.h"
 #include "cast/physics/wedge.h"
 #include "common/vector.h"
 
-enum { ROWS_PER_TASK = 128, SHARES = 64 };
-static const double surface_low = 0.3;  // of the gradient at a flat surface: curvature is measured above
+enum { ROWS_PER_TASK = 128 };
 static const double least_along = 0.1;  // of the normal: less of it along the wall is no contact line
 static const double most_across = 0.99; // of the normal across the wall
-static const double least_height = 0.1; // h, above a wall: nearer, noise of the normal would be all there is
 static const double least_open = 0.3;   // what divides the fill; a particle on a wall has 0.5
+static const double pooled_low = 0.05;  // of the flat gradient: forces are pooled above
+static const double little_wall = 1e-3; // of the kernel: walls nearer than that are near
+static const double little_push = 0.05; // of a flat surface's: less has no direction
 
 typedef struct Angle { // at which melt meets walls
-  double cos_theta, sin_theta;
+  double cos_theta;
   Wedge *wedge;
 } Angle;
 
-typedef struct Near { // of one particle
-  const Angle *angle; // of the wall nearest to it
+typedef struct Near { // of one particle; what neighbours look at first stands first
+  bool counts;        // has a curvature or a force
+  bool acts;          // has a stress, a normal, or walls near
+  double share;       // how surely at the surface, 0 to 1
+  double measured;    // 1/m, curvature at the particle by least squares
+  double wet;         // how near walls are, 0 to 1
+  double force[3];    // N, along the wall where there is one
+  double push[3];     // N m, the same by a curvature of 1 1/m
+  double walls;       // what walls fill
   double normal[3];   // unit, into the melt
+  double stress[6];   // N/m2, xx, xy, xz, yy, yz, zz: of the free surface and of that on the wall
   double melt[3];     // 1/m, gradient of what melt fills
   double wall[3];     // 1/m, gradient of what walls fill
-  double walls;       // what walls fill
-  double height;      // m, above the wall; 0: no wall near
-  double depth;       // m, below the surface; near walls only
-  double share;       // how surely at the surface, 0 to 1
-  double measured;    // 1/m, curvature at the particle
+  double pull[3];     // N/m3, on wall: of walls on the free surface that meets them
+  double weight;      // m3, with which forces are pooled
+  double fill;        // what melt fills
 } Near;
 
 struct Tension {
   KernelKind kernel;
   double h, slope, value; // m, 1/m5, 1/m3
+  double per_h, reach2;   // 1/m, m2
   const Table *sigma;
   double sigma_most;
-  double flat;                        // 1/m, gradient at a flat surface
-  double radius;                      // m, mean radius of the kernel
-  double depth;                       // m, mean depth of particles whose curvature is measured
-  double shares[SHARES], shares_step; // share of a flat surface's particles over depth, m
-  Angle *angle;                       // [n_angles], the first on all patches but those below
+  SurfaceScales scale;
+  Angle *angle; // [n_angles], the first on all patches but those below
   size_t n_angles, n_patches;
   const Angle **of_patch; // [n_patches]; NULL: one angle for all
   Near *near;
   ptrdiff_t capacity;
 };
-
-/* ---- constants of the kernel ---- */
-
-/* g(z) = 2 pi int_z W r dr, the gradient of the fill z below a flat surface */
-static double flat_gradient(const Tension *t, double z)
-{
-  enum { PARTS = 200 };
-  const double step = (kernel_support(t->kernel) * t->h - z) / PARTS;
-  double sum = 0.0;
-  for (int k = 0; k < PARTS; k++) {
-    const double r = z + (k + 0.5) * step;
-    sum += r * kernel_value(t->kernel, r, t->h) * step;
-  }
-  return 2.0 * pair_pi * sum;
-}
-
-static void set_constants(Tension *t)
-{
-  enum { PARTS = 400 };
-  const double step = kernel_support(t->kernel) * t->h / PARTS;
-  double depth = 0.0, share = 0.0;
-  t->flat = flat_gradient(t, 0.0);
-  for (int k = 0; k < PARTS; k++) {
-    const double z = (k + 0.5) * step, g = flat_gradient(t, z), w = interface_share(g / t->flat, surface_low);
-    t->radius += 4.0 * pair_pi * z * z * z * kernel_value(t->kernel, z, t->h) * step;
-    depth += w * z;
-    share += w;
-  }
-  t->depth = depth / share;
-  t->shares_step = kernel_support(t->kernel) * t->h / SHARES;
-  for (int k = 0; k < SHARES; k++)
-    t->shares[k] = interface_share(flat_gradient(t, (k + 0.5) * t->shares_step) / t->flat, surface_low);
-}
 
 /* Behind those there are. */
 static CastStatus add_angles(Tension *t, size_t n, const double *theta, CastError *err)
@@ -92,15 +66,15 @@ static CastStatus add_angles(Tension *t, size_t n, const double *theta, CastErro
   t->angle = more;
   for (size_t k = 0; k < n; k++) {
     Angle *angle = &t->angle[t->n_angles];
-    *angle = (Angle){.cos_theta = cos(theta[k]), .sin_theta = sin(theta[k])};
+    *angle = (Angle){.cos_theta = cos(theta[k])};
     CAST_CALL(wedge_create(t->kernel, theta[k], &angle->wedge, err));
     t->n_angles++;
   }
   return CAST_OK;
 }
 
-CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, double contact_angle, Tension **tension,
-                          CastError *err)
+CastStatus tension_create(KernelKind kernel, double h, double spacing, const Table *sigma, double contact_angle,
+                          Tension **tension, CastError *err)
 {
   Tension *t = *tension = calloc(1, sizeof *t);
   CAST_CHECK(t, err, CAST_ERR_MEMORY, "no memory");
@@ -108,9 +82,11 @@ CastStatus tension_create(KernelKind kernel, double h, const Table *sigma, doubl
   t->h = h;
   t->slope = shape_norm(kernel) / (h * h * h * h * h);
   t->value = shape_norm(kernel) / (h * h * h);
+  t->per_h = 1.0 / h;
+  t->reach2 = kernel_support(kernel) * h * kernel_support(kernel) * h;
   t->sigma = sigma;
   for (size_t k = 0; k < sigma->n; k++) t->sigma_most = fmax(t->sigma_most, sigma->y[k]);
-  set_constants(t);
+  t->scale = surface_scales(kernel, h, spacing);
   return add_angles(t, 1, &contact_angle, err);
 }
 
@@ -141,14 +117,12 @@ double tension_step(const Tension *t, double rho)
   return 0.25 * sqrt(rho * t->h * t->h * t->h / (2.0 * pair_pi * t->sigma_most));
 }
 
-/* ---- passes ---- */
-
-/* How surely a place in the wall would be at the surface, so deep below it (or above). */
-static double wall_share(const Tension *t, double depth)
+double tension_wall_pull(const Tension *t)
 {
-  const double s = fabs(depth) / t->shares_step;
-  return s < SHARES ? t->shares[(int)s] : 0.0;
+  return 1.5 * t->sigma_most / t->h;
 }
+
+/* ---- passes ---- */
 
 typedef struct Pass {
   const Tension *t;
@@ -157,10 +131,13 @@ typedef struct Pass {
   const double *period;
 } Pass;
 
-/* d = x_i - x_j of the nearest image; returns r in h, or a number beyond the support. */
-static double offset(const Pass *s, ptrdiff_t i, ptrdiff_t j, double d[3])
+/* d = x_i - x_j of the nearest image and r in h; false beyond the support. */
+static inline bool offset(const Pass *s, ptrdiff_t i, ptrdiff_t j, double d[3], double *q)
 {
-  return sqrt(particles_offset(s->p, i, j, s->period, d)) / s->t->h;
+  const double r2 = particles_offset(s->p, i, j, s->period, d);
+  if (r2 >= s->t->reach2) return false;
+  *q = sqrt(r2) * s->t->per_h;
+  return true;
 }
 
 /* Sum of V_j W_ij to *fill, of V_j grad W_ij to `gradient`. */
@@ -169,9 +146,9 @@ static void add_fill(const Pass *s, ptrdiff_t i, const PairList *list, double *f
   const Tension *t = s->t;
   for (ptrdiff_t k = list->start[i]; k < pair_list_end(list, i); k++) {
     const int32_t j = list->index[k];
-    double d[3];
-    const double q = offset(s, i, j, d), volume = s->p->volume[j];
-    const double F = volume * t->slope * shape_slope(t->kernel, q);
+    double d[3], q;
+    if (!offset(s, i, j, d, &q)) continue;
+    const double volume = s->p->volume[j], F = volume * t->slope * shape_slope(t->kernel, q);
     *fill += volume * t->value * shape_value(t->kernel, q);
     for (int a = 0; a < 3; a++) gradient[a] -= F * d[a];
   }
@@ -217,109 +194,175 @@ static bool along_wall(const Near *n, const double away[3], double along[3])
 
 /* Turn the normal to what it would be with melt behind the wall too, under the same plane. Returns how much steeper the
  * gradient would be. */
-static double see_behind_wall(const Tension *t, Near *n, double part)
+static double see_behind_wall(const Tension *t, Near *n, const Angle *angle, double part)
 {
   double away[3], along[3];
-  if (!wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return 1.0;
-  const WedgePlace at = wedge_look(n->angle->wedge, n->walls, part);
+  if (!wall_normal(n, t->scale.flat, away) || !along_wall(n, away, along)) return 1.0;
+  const WedgePlace at = wedge_look(angle->wedge, n->walls, part);
   const double across = fmax(-most_across, fmin(most_across, vec_dot(n->normal, away) + at.lean)),
                beside = sqrt(1.0 - across * across);
   for (int a = 0; a < 3; a++) n->normal[a] = across * away[a] + beside * along[a];
-  n->height = fmax(at.height, least_height) * t->h;
-  n->depth = at.depth * t->h;
   return at.raise;
+}
+
+/* Of the free surface, and on walls of -sigma cos(theta), what the wet wall costs more than the dry one. Where a free
+ * surface meets the wall, the wall holds it across, never along. */
+static void find_stress(const Tension *t, Near *n, const Angle *angle, double sigma, double gradient)
+{
+  const double walls = sqrt(vec_dot(n->wall, n->wall));
+  double away[3];
+  interface_add_stress(sigma * t->scale.free * interface_stress(gradient / t->scale.flat), n->normal, n->stress);
+  if (!wall_normal(n, t->scale.flat, away)) return;
+  interface_times_stress(n->stress, away, n->pull);
+  const double held = -2.0 * walls * vec_dot(n->pull, away);
+  for (int a = 0; a < 3; a++) n->pull[a] = held * away[a];
+  interface_add_stress(-sigma * angle->cos_theta * t->scale.wet * walls, away, n->stress);
 }
 
 static void find_normal(const Pass *s, ptrdiff_t i)
 {
   const Tension *t = s->t;
   Near *n = &t->near[i];
+  const Angle *angle = nearest_angle(s, i);
   double fill = s->p->volume[i] * t->value * shape_value(t->kernel, 0.0), gradient[3] = {0};
-  *n = (Near){.angle = nearest_angle(s, i)};
+  *n = (Near){.share = 0.0};
   add_fill(s, i, s->fluid, &fill, gradient);
   vec_copy(gradient, n->melt);
   add_fill(s, i, s->wall, &n->walls, n->wall);
   const double open = fmax(1.0 - n->walls, least_open), part = fmin(1.0, fill / open);
   for (int a = 0; a < 3; a++) gradient[a] = (gradient[a] + part * n->wall[a]) / open; // of fill/(1 - walls)
   vec_copy(gradient, n->normal);
-  const double size = vec_normalise(n->normal);
-  n->share = interface_share(size * see_behind_wall(t, n, part) / t->flat, surface_low);
+  const double size = vec_normalise(n->normal) * see_behind_wall(t, n, angle, part);
+  n->share = interface_share(size / t->scale.flat, interface_measured_low);
+  find_stress(t, n, angle, table_evaluate(t->sigma, s->p->T[i]), size);
+  double push[3];
+  vec_axpy(1.0, n->wall, n->melt, push);
+  n->fill = fill;
+  n->weight = s->p->volume[i] * interface_share(vec_norm(push) / t->scale.flat, pooled_low);
+  n->counts = n->share > 0.0 || n->weight > 0.0;
+  n->acts = n->counts || n->walls > 0.0 || size > interface_stress_low * t->scale.flat;
 }
 
-/* At the wall the normal is that of the contact angle. A wall particle near the surface's plane stands for melt there,
- * whose normal lies on the line from that of particle i through that at the wall, and further; how the surface turns
- * along the contact line it does not tell. */
-static void add_wall(const Pass *s, ptrdiff_t i, InterfaceSums *sums)
+typedef struct Sums {
+  InterfaceSums surface;
+  double force[3]; // N/m3, divergence of the stress
+  double walls;    // what walls fill of the kernel where melt is
+} Sums;
+
+static Sums sum_pairs(const Pass *s, ptrdiff_t i)
 {
   const Tension *t = s->t;
   const Near *n = &t->near[i];
-  const Angle *angle = n->angle;
-  double away[3], along[3], line[3], turn[3]; // turn: of the normal from the wall to particle i
-  if (n->height <= 0.0 || !wall_normal(n, t->flat, away) || !along_wall(n, away, along)) return;
-  vec_cross(away, along, line);
-  for (int a = 0; a < 3; a++) turn[a] = n->normal[a] + angle->cos_theta * away[a] - angle->sin_theta * along[a];
-  for (ptrdiff_t k = s->wall->start[i]; k < pair_list_end(s->wall, i); k++) {
-    const int32_t j = s->wall->index[k];
-    double d[3];
-    const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d)), across = vec_dot(d, away);
-    if (across <= n->height) continue; // of the other wall of a corner
-    const double w = F * wall_share(t, n->depth - vec_dot(d, n->normal)), beyond = across / n->height;
-    vec_axpy(-vec_dot(d, line), line, d, d);
-    for (int a = 0, q = 0; a < 3; a++) {
-      for (int b = 0; b < 3; b++) sums->G[a][b] += w * beyond * turn[a] * d[b];
-      for (int b = a; b < 3; b++, q++) sums->M[q] += w * d[a] * d[b];
-    }
-  }
-}
-
-static void find_curvature(const Pass *s, ptrdiff_t i)
-{
-  const Tension *t = s->t;
-  Near *n = &t->near[i];
-  if (n->share <= 0.0) return;
-  InterfaceSums sums = {.M = {0.0}};
+  Sums sums = {.walls = n->walls * s->p->volume[i] * t->value * shape_value(t->kernel, 0.0)};
+  interface_times_stress(n->stress, n->melt, sums.force);
   for (ptrdiff_t k = s->fluid->start[i]; k < pair_list_end(s->fluid, i); k++) {
     const int32_t j = s->fluid->index[k];
     const Near *m = &t->near[j];
-    if (m->share <= 0.0) continue;
-    double d[3];
-    const double F = m->share * s->p->volume[j] * t->slope * shape_slope(t->kernel, offset(s, i, j, d));
-    for (int a = 0, q = 0; a < 3; a++) {
-      for (int b = 0; b < 3; b++) sums.G[a][b] += F * (n->normal[a] - m->normal[a]) * d[b];
-      for (int b = a; b < 3; b++, q++) sums.M[q] += F * d[a] * d[b];
+    if (!m->acts) continue;
+    double d[3], pulled[3], q;
+    if (!offset(s, i, j, d, &q)) continue;
+    const double F = s->p->volume[j] * t->slope * shape_slope(t->kernel, q);
+    interface_times_stress(m->stress, d, pulled);
+    vec_axpy(-F, pulled, sums.force, sums.force);
+    sums.walls += m->walls * s->p->volume[j] * t->value * shape_value(t->kernel, q);
+    const double w = n->share * m->share * F;
+    if (w <= 0.0) continue;
+    for (int a = 0, c = 0; a < 3; a++) {
+      for (int b = 0; b < 3; b++) sums.surface.G[a][b] += m->share * F * (n->normal[a] - m->normal[a]) * d[b];
+      for (int b = a; b < 3; b++, c++) sums.surface.M[c] += m->share * F * d[a] * d[b];
     }
   }
-  add_wall(s, i, &sums);
-  const double most = 1.5 / t->h, k = interface_at_surface(interface_shape(&sums), t->depth, t->radius);
-  n->measured = fmax(-most, fmin(most, k));
+  return sums;
 }
 
-/* Curvature at particle i: the mean of what was measured near it; 0 where nothing was. */
-static double spread_curvature(const Pass *s, ptrdiff_t i)
+static void find_force(const Pass *s, ptrdiff_t i)
 {
   const Tension *t = s->t;
-  double weight = t->near[i].share * shape_value(t->kernel, 0.0) * shape_value(t->kernel, 0.0),
-         sum = weight * t->near[i].measured;
-  for (ptrdiff_t k = s->fluid->start[i]; k < pair_list_end(s->fluid, i); k++) {
-    const int32_t j = s->fluid->index[k];
-    if (t->near[j].share <= 0.0) continue;
-    double d[3];
-    const double W = shape_value(t->kernel, offset(s, i, j, d)), w = t->near[j].share * W * W;
-    sum += w * t->near[j].measured;
-    weight += w;
+  Near *n = &t->near[i];
+  if (!n->counts) return;
+  const Sums sums = sum_pairs(s, i);
+  const double most = 1.5 / t->h, sigma = table_evaluate(t->sigma, s->p->T[i]);
+  if (n->share > 0.0)
+    n->measured =
+        fmax(-most, fmin(most, interface_at_surface(interface_shape(&sums.surface), t->scale.depth, t->scale.radius)));
+  n->wet = sums.walls / (sums.walls + little_wall);
+  double away[3], force[3], push[3];
+  vec_axpy(1.0, n->pull, sums.force, force);
+  vec_axpy(1.0, n->wall, n->melt, push);
+  if (wall_normal(n, t->scale.flat, away)) {
+    vec_axpy(-vec_dot(force, away), away, force, force);
+    vec_axpy(-vec_dot(push, away), away, push, push);
   }
-  return weight > 0.0 ? sum / weight : 0.0;
+  const double open = fmax(1.0 - n->walls, least_open);
+  for (int a = 0; a < 3; a++) {
+    n->push[a] = n->weight * 2.0 * sigma * push[a] / open;
+    n->force[a] = n->wet * n->weight * force[a] + (1.0 - n->wet) * n->measured * n->push[a];
+  }
 }
 
-/* Along the gradient that pressure acts with, of melt and, where it presses on them, walls: where curvature is the same
- * everywhere sigma times it is the pressure, particle by particle. */
+typedef struct Pool {
+  double weight, measured;                // of the curvature by least squares, away from walls
+  double surface, wet, force[3], push[3]; // of all at the surface
+} Pool;
+
+static void pool(const Pass *s, ptrdiff_t j, double q, Pool *pool)
+{
+  const Near *m = &s->t->near[j];
+  const double W = shape_value(s->t->kernel, q), free = m->share * W * W * (1.0 - m->wet);
+  pool->weight += free;
+  pool->measured += free * m->measured;
+  pool->surface += W * m->share;
+  pool->wet += W * m->share * m->wet;
+  for (int a = 0; a < 3; a++) {
+    pool->force[a] += W * m->force[a];
+    pool->push[a] += W * m->push[a];
+  }
+}
+
+/* Curvature at particle i from what was found near it; 0 where nothing was. Near walls that whose push, along the
+ * walls, is the stress's: forces are added up before they are divided, so that what particles do to each other cancels.
+ */
+static double find_curvature(const Pass *s, ptrdiff_t i)
+{
+  const Tension *t = s->t;
+  Pool sum = {0};
+  pool(s, i, 0.0, &sum);
+  for (ptrdiff_t k = s->fluid->start[i]; k < pair_list_end(s->fluid, i); k++) {
+    const int32_t j = s->fluid->index[k];
+    if (!t->near[j].counts) continue;
+    double d[3], q;
+    if (offset(s, i, j, d, &q)) pool(s, j, q, &sum);
+  }
+  const double away = sum.weight > 0.0 ? sum.measured / sum.weight : 0.0;
+  if (sum.wet <= 0.0) return away;
+  const double wet = sum.weight > 0.0 ? sum.wet / sum.surface : 1.0, most = 1.5 / t->h,
+               noise = little_push * 2.0 * table_evaluate(t->sigma, s->p->T[i]) * t->scale.flat * s->t->near[i].fill /
+                       t->value;
+  const double at_wall = vec_dot(sum.force, sum.push) / (vec_dot(sum.push, sum.push) + noise * noise);
+  return (1.0 - wet) * away + wet * fmax(-most, fmin(most, at_wall));
+}
+
+/* Along the gradient that pressure acts with, of melt and walls: where curvature is the same everywhere sigma times it
+ * is the pressure, particle by particle. */
 static void push(const Pass *s, ptrdiff_t i)
 {
   const Near *n = &s->t->near[i];
-  const double curvature = spread_curvature(s, i), pressing = positive(curvature);
+  const double curvature = find_curvature(s, i);
   if (curvature == 0.0) return;
   const double per_mass = 2.0 * table_evaluate(s->t->sigma, s->p->T[i]) * s->p->volume[i] / s->p->mass[i];
-  for (int a = 0; a < 3; a++) s->p->a[a][i] += per_mass * (curvature * n->melt[a] + pressing * n->wall[a]);
+  for (int a = 0; a < 3; a++) s->p->a[a][i] += per_mass * curvature * (n->melt[a] + n->wall[a]);
+}
+
+static Pass begin_pass(const Tension *t, Particles *p, const Neighbours *neighbours)
+{
+  return (Pass){t, p, neighbours_fluid_fluid(neighbours), neighbours_fluid_wall(neighbours),
+                neighbours_period(neighbours)};
+}
+
+void tension_stress_force(const Tension *t, Particles *p, const Neighbours *neighbours, ptrdiff_t i, double force[3])
+{
+  const Pass s = begin_pass(t, p, neighbours);
+  vec_copy(sum_pairs(&s, i).force, force);
 }
 
 CastStatus tension_push(Tension *t, Particles *p, const Neighbours *neighbours, CastError *err)
@@ -330,14 +373,13 @@ CastStatus tension_push(Tension *t, Particles *p, const Neighbours *neighbours, 
     t->capacity = t->near ? p->n_fluid : 0;
     CAST_CHECK(t->near, err, CAST_ERR_MEMORY, "no memory for the surface tension of %td particles", p->n_fluid);
   }
-  const Pass s = {t, p, neighbours_fluid_fluid(neighbours), neighbours_fluid_wall(neighbours),
-                  neighbours_period(neighbours)};
+  const Pass s = begin_pass(t, p, neighbours);
 #pragma omp parallel
   {
 #pragma omp for schedule(dynamic, ROWS_PER_TASK)
     for (ptrdiff_t i = 0; i < p->n_fluid; i++) find_normal(&s, i);
 #pragma omp for schedule(dynamic, ROWS_PER_TASK)
-    for (ptrdiff_t i = 0; i < p->n_fluid; i++) find_curvature(&s, i);
+    for (ptrdiff_t i = 0; i < p->n_fluid; i++) find_force(&s, i);
 #pragma omp for schedule(dynamic, ROWS_PER_TASK)
     for (ptrdiff_t i = 0; i < p->n_fluid; i++) push(&s, i);
   }

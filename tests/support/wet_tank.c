@@ -29,9 +29,10 @@ void wet_tank_begin(WetTank *wet, double mu, double theta)
   lattice_tank_create(&wet->tank);
   for (ptrdiff_t i = 0; i < wet->tank.particles.n_fluid; i++) wet->tank.particles.mu[i] = mu;
   wet_ok(table_create(1, &at, &one, &wet->sigma, &err), &err);
-  wet_ok(
-      tension_create(wet->tank.sph.kernel, wet->tank.sph.h, &wet->sigma, theta * pair_pi / 180.0, &wet->tension, &err),
-      &err);
+  wet_ok(tension_create(wet->tank.sph.kernel, wet->tank.sph.h, wet->tank.sph.spacing, &wet->sigma,
+                        theta * pair_pi / 180.0, &wet->tension, &err),
+         &err);
+  wet->tank.sph.wall_pull = tension_wall_pull(wet->tension);
   sph_initialise(&wet->tank.sph, &wet->tank.particles);
   find_rates(wet, true);
 }

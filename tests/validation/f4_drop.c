@@ -59,7 +59,7 @@ static void make_drop(Drop *drop, int across, double stretch, double mu)
   for (int d = 0; d < 3; d++) free(x[d]);
   drop->radius = cbrt(3.0 * (double)n * dx * dx * dx / (4.0 * pair_pi));
   ok(table_create(1, &at, &one, &drop->sigma, &err), &err);
-  ok(tension_create(drop->sph.kernel, drop->sph.h, &drop->sigma, 0.5 * pair_pi, &drop->tension, &err), &err);
+  ok(tension_create(drop->sph.kernel, drop->sph.h, dx, &drop->sigma, 0.5 * pair_pi, &drop->tension, &err), &err);
   ok(neighbours_create(2.0 * drop->sph.h, neighbours_skin(dx), NULL, &drop->neighbours, &err), &err);
   neighbours_suit_skin(drop->neighbours, dx, sph_sound_step(&drop->sph, 0.0));
 }

@@ -68,7 +68,7 @@ static void a_slot_in_a_pool_stands_higher_or_lower(void **unused)
         validation_text("%.0f %%", 100.0 * error), error < 0.1 ? "10 %" : "10 % (missed)",
         validation_text("%d particles wide; mean over 2 sqrt(rho L^3/sigma) after 7", SLOT),
         validation_cpu_time() - start});
-    if (exact < 0.0) assert_float_equal(rise, exact, 0.25); // 0.16 off: the row tells what is missed
+    assert_true(error < (exact < 0.0 ? 0.15 : 0.35)); // 0.11, 0.31 off: the row tells what is missed
   }
 }
 
