@@ -19,6 +19,7 @@
 #include "cast/io/csv_read.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/program.h"
+#include "tests/support/text_file.h"
 
 static const char *program;
 
@@ -137,7 +138,7 @@ static void one_run_alone_does_for_a_job_array_and_the_rest_is_gathered_later(vo
 static void an_interrupted_study_goes_on_from_the_checkpoints(void **state)
 {
   (void)state;
-  char study[160], path[200], log[200], text[8192] = "";
+  char study[160], path[200], log[200];
   make_study("cut", "4 ms", "vary: [{ key: preheat, from: 700 degC, to: 800 degC, steps: 2 }]\n", study);
   const pid_t child = sweep(study, NULL);
   snprintf(path, sizeof path, "%.60s/cut-study/run-0001/ledger.csv", casting.folder);
@@ -150,11 +151,9 @@ static void an_interrupted_study_goes_on_from_the_checkpoints(void **state)
   assert_int_equal(access(path, R_OK), 0);
   assert_int_equal(exit_code(sweep(study, NULL)), 0);
   snprintf(log, sizeof log, "%.60s/cut-study/run-0001/castrun.log", casting.folder);
-  FILE *file = fopen(log, "r");
-  assert_non_null(file);
-  text[fread(text, 1, sizeof text - 1, file)] = '\0';
-  fclose(file);
+  char *text = text_file_read(log);
   assert_non_null(strstr(text, "resumed at t ="));
+  free(text);
 }
 
 int main(void)

@@ -14,6 +14,7 @@
 #include "cast/sim.h"
 #include "cast_build_config.h"
 #include "tests/support/cast_case.h"
+#include "tests/support/text_file.h"
 
 static const char FOLDER[] = CAST_SHARE_SOURCE "/../tests/malformed/cast_yaml";
 
@@ -41,13 +42,7 @@ static char *read_text(const char *name)
 {
   char path[1024];
   snprintf(path, sizeof path, "%s/%s", FOLDER, name);
-  FILE *file = fopen(path, "r");
-  assert_non_null(file);
-  char *text = calloc(1, 1 << 16);
-  assert_non_null(text);
-  assert_true(fread(text, 1, (1 << 16) - 1, file) > 0);
-  fclose(file);
-  return text;
+  return text_file_read(path);
 }
 
 /* Read the input as `castrun check` does; what goes wrong first ends up in err. */

@@ -16,6 +16,7 @@
 #include "common/heat_record.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_run.h"
+#include "tests/support/text_file.h"
 
 /* A run named `name`, ready to go. Fast melt, so that lists are rebuilt often; a level and a tracer, so that all is
  * used. */
@@ -55,12 +56,7 @@ static char *file_rows(const char *folder, const char *name)
 {
   char path[256];
   snprintf(path, sizeof path, "%s/%s", folder, name);
-  FILE *file = fopen(path, "r");
-  if (!file) fail_msg("there is no %s", path);
-  char *text = calloc(1 << 20, 1);
-  assert_non_null(text);
-  assert_true(fread(text, 1, (1 << 20) - 1, file) > 0);
-  fclose(file);
+  char *text = text_file_read(path);
   char *rows = text;
   while (*rows == '#') rows = strchr(rows, '\n') + 1;
   memmove(text, rows, strlen(rows) + 1);

@@ -16,6 +16,7 @@
 #include "tests/support/matrix_mould.h"
 #include "tests/support/mould_files.h"
 #include "tests/support/program.h"
+#include "tests/support/text_file.h"
 
 enum { CELLS = 6, M = 4 };
 static const char *program, *mpiexec, *castrun;
@@ -167,21 +168,18 @@ static void read_row(const char *csv, const char *method, double value[5])
 static void compare_ranks_the_methods_and_writes_no_rom(void **state)
 {
   (void)state;
-  static char csv[4000];
   double arnoldi[5], modal[5], rational[5], shorter[5];
   mould_files_write(&mould_files, "methods.yaml",
                     "matrices: { E: E.mtx, K: K.mtx, B: B.mtx }\n"
                     "reduction: { times: [10 ms, 100 s], tolerance: 1e-3 }\noutput: { file: methods.rom.h5 }\n");
   if (run("cd '%s' && '%s' compare methods.yaml --quiet 2>&1", mould_files.folder, program) != 0) fail_msg("%s", said);
   expect_said("| arnoldi, q = 3 |");
-  FILE *file = fopen(mould_files_path("methods.compare.csv"), "r");
-  assert_non_null(file);
-  csv[fread(csv, 1, sizeof csv - 1, file)] = '\0';
-  fclose(file);
+  char *csv = text_file_read(mould_files_path("methods.compare.csv"));
   read_row(csv, "\"arnoldi, q = 5\"", arnoldi);
   read_row(csv, "\"modal, 20 modes\"", modal);
   read_row(csv, "\"rational\"", rational);
   read_row(csv, "\"rational, early weight\"", shorter);
+  free(csv);
   assert_true(arnoldi[0] <= 5 * (M + 1) + 2 && modal[0] == 21); // m inputs and the ambient; modes and the constant
   assert_true(rational[4] <= 1e-3 && shorter[4] <= 1e-3);       // the tolerance asked for
   assert_true(shorter[0] < rational[0]);

@@ -65,6 +65,13 @@ CastStatus cast_case_input(const CastCase *made, const char *name, const CastCas
   return CAST_OK;
 }
 
+CastStatus cast_case_rom(const CastCase *made, RomData **rom, CastError *err)
+{
+  char path[128];
+  snprintf(path, sizeof path, "%s/mould.rom.h5", made->folder);
+  return rom_read(path, rom, err);
+}
+
 static int remove_one(const char *path, const struct stat *info, int type, struct FTW *walk)
 {
   (void)info;

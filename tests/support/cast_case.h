@@ -26,6 +26,7 @@ CastStatus cast_case_create_box(CastCase *made, const SyntheticBox *box, CastErr
 /* Write NAME.yaml, whose output folder is NAME; its path goes to `path`. */
 CastStatus cast_case_input(const CastCase *made, const char *name, const CastCaseInput *input, char path[128],
                            CastError *err);
+CastStatus cast_case_rom(const CastCase *made, RomData **rom, CastError *err); // read it; the caller destroys it
 void cast_case_remove(const CastCase *made); // the folder and all in it
 
 /* One case for all tests of a program, made and removed by cmocka's group. */

@@ -24,10 +24,8 @@ static int set_up(void **state)
 {
   (void)state;
   CastError err = {0};
-  char path[128];
   CastStatus status = cast_case_create(&casting, &err);
-  snprintf(path, sizeof path, "%s/mould.rom.h5", casting.folder);
-  if (status == CAST_OK) status = rom_read(path, &rom, &err);
+  if (status == CAST_OK) status = cast_case_rom(&casting, &rom, &err);
   if (status == CAST_OK) status = surface_create(rom, 1.2e-3, &surface, &err);
   if (status != CAST_OK) fprintf(stderr, "%s\n", err.message);
   return status != CAST_OK;
