@@ -9,21 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/config.h"
 #include "tests/support/assert_close.h"
-
-static const char LEAST[] = "rom: mould.rom.h5\n"
-                            "preheat: 800 degC\n"
-                            "ambient: 25 degC\n"
-                            "melt:\n"
-                            "  material: cual10\n"
-                            "  temperature: 1150 degC\n"
-                            "  blocks: [{ corner: [0 mm, 0 mm, 0 mm], size: [1 mm, 2 mm, 3 mm] }]\n"
-                            "forces: { gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2] }\n"
-                            "contact: { h: 2000 W/m^2/K }\n"
-                            "sph: { spacing: 0.1 mm }\n"
-                            "time: { end: 10 ms }\n"
-                            "output: { folder: results, every: 1 ms }\n";
+#include "tests/support/config_case.h"
 
 static const char EVERYTHING[] =
     "title: 'all: \"options\"'\n"
@@ -73,18 +60,10 @@ static const char EVERYTHING[] =
     "  probes: [{ name: a \\ b, position: [1 mm, 2 mm, 3 mm] }]\n"
     "  tracers: [{ name: '1', nearest: [0.1 mm, 0.2 mm, 0.3 mm] }, { name: '2', nearest: [0 mm, 0 mm, 0 mm] }]\n";
 
-static CastConfig *read_text(const char *text, const char *path)
-{
-  CastError err = {0};
-  CastConfig *config = NULL;
-  if (cast_config_read(path, text, &config, &err) != CAST_OK) fail_msg("%s", err.message);
-  return config;
-}
-
 static void an_input_of_the_least_keys_gets_the_defaults(void **state)
 {
   (void)state;
-  CastConfig *c = read_text(LEAST, "case/cast.yaml");
+  CastConfig *c = config_case_read(CONFIG_LEAST, "case/cast.yaml");
   assert_string_equal(c->rom_path, "case/mould.rom.h5");
   assert_string_equal(c->output.folder, "case/results");
   assert_close(c->preheat, 1073.15, 1e-9);
@@ -107,7 +86,7 @@ static void an_input_of_the_least_keys_gets_the_defaults(void **state)
 static void every_option_arrives(void **state)
 {
   (void)state;
-  CastConfig *c = read_text(EVERYTHING, "cast.yaml");
+  CastConfig *c = config_case_read(EVERYTHING, "cast.yaml");
   assert_string_equal(c->title, "all: \"options\"");
   assert_string_equal(c->melt.name, "home-made");
   assert_true(isinf(c->coupling.h_contact));
@@ -139,29 +118,6 @@ static void every_option_arrives(void **state)
   assert_int_equal(c->output.n_tracers, 2);
   assert_string_equal(c->output.tracer[1].name, "2");
   cast_config_destroy(&c);
-}
-
-static void assert_same_table(const Table *a, const Table *b)
-{
-  assert_int_equal(a->n, b->n);
-  if (a->n == 0) return;
-  assert_memory_equal(a->x, b->x, a->n * sizeof *a->x);
-  assert_memory_equal(a->y, b->y, a->n * sizeof *a->y);
-}
-
-static void assert_same_drive(const Drive *a, const Drive *b)
-{
-  assert_int_equal(a->n, b->n);
-  assert_memory_equal(a->time, b->time, a->n * sizeof *a->time);
-  assert_memory_equal(a->gravity, b->gravity, a->n * sizeof *a->gravity);
-  assert_memory_equal(a->acceleration, b->acceleration, sizeof a->acceleration);
-  for (int d = 0; d < 3; d++) { // directions are made to have length 1 again: the last bit may differ
-    assert_close(a->tilt_axis[d], b->tilt_axis[d], 2.3e-16);
-    assert_close(a->spin_axis[d], b->spin_axis[d], 2.3e-16);
-  }
-  assert_memory_equal(a->spin_point, b->spin_point, sizeof a->spin_point);
-  assert_same_table(&a->tilt, &b->tilt);
-  assert_same_table(&a->speed, &b->speed);
 }
 
 static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
@@ -207,7 +163,7 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
                       b->melt.density,
                       b->melt.conductivity};
   assert_memory_equal(u, w, sizeof u);
-  assert_same_drive(&a->drive, &b->drive);
+  config_case_same_drive(&a->drive, &b->drive);
   assert_int_equal(a->n_blocks, b->n_blocks);
   assert_memory_equal(a->block, b->block, a->n_blocks * sizeof *a->block);
   assert_int_equal(a->n_features, b->n_features);
@@ -224,13 +180,10 @@ static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
 static void the_resolved_input_reads_again_to_the_same_bits(void **state)
 {
   (void)state;
-  const char *const texts[] = {LEAST, EVERYTHING};
+  const char *const texts[] = {CONFIG_LEAST, EVERYTHING};
   for (int k = 0; k < 2; k++) {
-    CastConfig *first = read_text(texts[k], "cast.yaml");
-    char *resolved = NULL;
-    CastError err = {0};
-    assert_int_equal(cast_config_resolved(first, 0.0, &resolved, &err), CAST_OK);
-    CastConfig *second = read_text(resolved, "/elsewhere/resolved.yaml");
+    CastConfig *first = config_case_read(texts[k], "cast.yaml");
+    CastConfig *second = config_case_again(first);
     assert_same_numbers(first, second);
     assert_string_equal(first->title, second->title);
     assert_int_equal(first->kernel, second->kernel);
@@ -254,158 +207,15 @@ static void the_resolved_input_reads_again_to_the_same_bits(void **state)
     assert_int_equal(first->output.mould_fields, second->output.mould_fields);
     assert_string_equal(first->melt.name, second->melt.name);
     if (k == 0) assert_string_equal(first->melt.sha256, second->melt.sha256); // a named material: the same file
-    free(resolved);
     cast_config_destroy(&first);
     cast_config_destroy(&second);
   }
-}
-
-/* LEAST with one piece replaced. */
-static CastConfig *read_with(const char *old, const char *piece)
-{
-  char text[2048];
-  const char *at = strstr(LEAST, old);
-  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST, piece, at + strlen(old));
-  return read_text(text, "cast.yaml");
-}
-
-static const char LEAST_CONTACT[] = "{ h: 2000 W/m^2/K }";
-
-static void contact_tables_and_surfaces_arrive_and_are_written_again(void **state)
-{
-  (void)state;
-  CastConfig *config =
-      read_with(LEAST_CONTACT, "{ h: { solid_fraction: [[0.3, 2000 W/m^2/K], [0.9, 200 W/m^2/K]] }, surfaces: "
-                               "{ pins: { h: { temperature: [[700 degC, 0.5 kW/m^2/K]] } }, cup: { perfect: "
-                               "true } } }");
-  for (int turn = 0; turn < 2; turn++) {
-    const ContactLaws *c = config->coupling.contact;
-    assert_int_equal(c->elsewhere.basis, CONTACT_OF_SOLID_FRACTION);
-    assert_close(contact_law_at(&c->elsewhere, &config->melt, config->melt.solidus), 200.0, 1e-9);
-    assert_close(contact_law_at(&c->elsewhere, &config->melt, config->melt.liquidus), 2000.0, 1e-9);
-    assert_int_equal(c->n, 2);
-    assert_string_equal(c->surface[0].surface, "pins");
-    assert_close(c->surface[0].law.table.x[0], 973.15, 1e-9);
-    assert_close(contact_law_most(&c->surface[0].law), 500.0, 1e-9);
-    assert_true(isinf(c->surface[1].law.h) && isinf(contact_laws_most(c)));
-    char *resolved = NULL;
-    CastError err = {0};
-    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
-    cast_config_destroy(&config);
-    config = read_text(resolved, "/elsewhere/resolved.yaml");
-    free(resolved);
-  }
-  cast_config_destroy(&config);
-}
-
-static void outer_walls_arrive_and_are_written_again(void **state)
-{
-  (void)state;
-  CastConfig *config = read_with(LEAST_CONTACT, "{ perfect: true }\nwalls: { side: { h: 20 W/m^2/K, ambient: 25 degC, "
-                                                "emissivity: 0.85 }, rim: { emissivity: 0.3 } }");
-  for (int turn = 0; turn < 2; turn++) {
-    assert_int_equal(config->n_walls, 2);
-    assert_string_equal(config->wall[0].surface, "side");
-    assert_close(config->wall[0].h, 20.0, 0.0);
-    assert_close(config->wall[0].ambient, 298.15, 1e-9);
-    assert_close(config->wall[0].emissivity, 0.85, 0.0);
-    assert_true(isnan(config->wall[1].h) && isnan(config->wall[1].ambient)); // the ROM's, the run's
-    char *resolved = NULL;
-    CastError err = {0};
-    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
-    cast_config_destroy(&config);
-    config = read_text(resolved, "/elsewhere/resolved.yaml");
-    free(resolved);
-  }
-  cast_config_destroy(&config);
-}
-
-static void forces_that_change_with_time_arrive_and_are_written_again(void **state)
-{
-  (void)state;
-  static const char *const forces[] = {
-      "{ gravity: [[0 s, [0 m/s^2, 0 m/s^2, -9.81 m/s^2]], [1.7 s, 9.81 0 0.1 m/s^2]] }",
-      "{ gravity: 0 0 -9.81 m/s^2, tilt: { axis: [0, 3, 1], angle: [[0.1 s, 0 deg], [2 s, 77 deg]] } }",
-      "{ gravity: 0 0 -9.81 m/s^2, spin: { point: [-150 mm, 0 mm, 1 mm], axis: [0, 1, 2], speed: [[0 s, 0 rpm], [0.3 "
-      "s, "
-      "600 rpm]] } }",
-      "{ gravity: 0 0 -9.81 m/s^2, spin: { point: 0 0 0 m, axis: [0, 0, 1], speed: 300 rpm } }",
-      "{ gravity: 0 0 -9.81 m/s^2, gas: { pressure: [[0 s, 0 kPa], [50 ms, 33 kPa]], from: { corner: -1 -2 3 mm, size: "
-      "2 "
-      "4 1 mm } } }"};
-  for (int k = 0; k < 5; k++) {
-    CastConfig *first = read_with("{ gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2] }", forces[k]);
-    char *resolved = NULL;
-    CastError err = {0};
-    assert_int_equal(cast_config_resolved(first, 0.0, &resolved, &err), CAST_OK);
-    CastConfig *second = read_text(resolved, "/elsewhere/resolved.yaml");
-    assert_same_drive(&first->drive, &second->drive);
-    assert_same_table(&first->gas.pressure, &second->gas.pressure);
-    assert_memory_equal(first->gas.corner, second->gas.corner, sizeof first->gas.corner);
-    assert_memory_equal(first->gas.size, second->gas.size, sizeof first->gas.size);
-    if (k == 4) assert_close(first->gas.pressure.y[1], 33e3, 1e-9);
-    if (k == 0) assert_close(first->drive.gravity[1][0], 9.81, 1e-15);
-    if (k == 1) assert_close(first->drive.tilt.y[1], 77.0 * M_PI / 180.0, 1e-15);
-    if (k == 1) assert_close(first->drive.tilt_axis[1], 3.0 / sqrt(10.0), 1e-15);
-    if (k == 2) assert_close(first->drive.speed.y[1], 20.0 * M_PI, 1e-13);
-    if (k == 3) assert_close(table_evaluate(&first->drive.speed, 5.0), 10.0 * M_PI, 1e-13);
-    free(resolved);
-    cast_config_destroy(&first);
-    cast_config_destroy(&second);
-  }
-}
-
-/* LEAST with other melt. */
-static void inlets_and_outlets_arrive_and_are_written_again(void **state)
-{
-  (void)state;
-  char text[2048];
-  const char *old = "  blocks: [{ corner: [0 mm, 0 mm, 0 mm], size: [1 mm, 2 mm, 3 mm] }]\n", *at = strstr(LEAST, old);
-  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - LEAST), LEAST,
-           "  inlets:\n"
-           "    - { disc: { centre: 1 2 3 mm, radius: 4 mm }, direction: [0, 0, -2], velocity: 0.3 m/s }\n"
-           "    - rectangle: { centre: 0 0 9 mm, along: [1, 1, 0], width: 5 mm, height: 6 mm }\n"
-           "      direction: [0, 0, 1]\n"
-           "      mass_flow: [[0 s, 3.3 g/s], [1.1 s, 0 g/s]]\n"
-           "      temperature: [[0 s, 1150 degC], [1 s, 1160 degC]]\n"
-           "      at_end: plug\n"
-           "  outlets: [{ surface: a vent }, { box: { corner: 1 2 3 mm, size: 4 5 6 mm } }, "
-           "{ plane: { point: 1 2 3 m, normal: [0, 3, 4] } }]\n",
-           at + strlen(old));
-  CastConfig *config = read_text(text, "cast.yaml");
-  for (int turn = 0; turn < 2; turn++) {
-    assert_int_equal(config->n_inlets, 2);
-    const InletConfig *disc = &config->inlet[0], *rectangle = &config->inlet[1];
-    assert_true(disc->disc && !disc->stays && disc->kind == INLET_VELOCITY);
-    assert_close(disc->radius, 4e-3, 1e-17);
-    assert_close(disc->direction[2], -1.0, 0.0);
-    assert_close(table_evaluate(&disc->temperature, 9.0), 1423.15, 1e-9); // the melt's
-    assert_true(!rectangle->disc && rectangle->stays && rectangle->kind == INLET_MASS_FLOW);
-    assert_close(rectangle->along[1], sqrt(0.5), 1e-15);
-    assert_close(rectangle->rate.y[0], 3.3e-3, 1e-17);
-    assert_close(rectangle->rate.x[1], 1.1, 0.0);
-    assert_close(rectangle->temperature.y[1], 1433.15, 1e-9);
-    assert_close(rectangle->height, 6e-3, 1e-17);
-    assert_int_equal(config->n_outlets, 3);
-    assert_string_equal(config->outlet[0].surface, "a vent");
-    assert_int_equal(config->outlet[1].kind, OUTLET_BOX);
-    assert_close(config->outlet[1].size[2], 6e-3, 1e-17);
-    assert_int_equal(config->outlet[2].kind, OUTLET_PLANE);
-    assert_close(config->outlet[2].normal[1], 0.6, 1e-15);
-    char *resolved = NULL;
-    CastError err = {0};
-    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
-    cast_config_destroy(&config);
-    config = read_text(resolved, "/elsewhere/resolved.yaml");
-    free(resolved);
-  }
-  cast_config_destroy(&config);
 }
 
 static void a_sound_speed_that_was_chosen_stands_in_the_resolved_input(void **state)
 {
   (void)state;
-  CastConfig *config = read_text(LEAST, "cast.yaml");
+  CastConfig *config = config_case_read(CONFIG_LEAST, "cast.yaml");
   char *resolved = NULL;
   CastError err = {0};
   assert_int_equal(cast_config_resolved(config, 12.5, &resolved, &err), CAST_OK);
@@ -452,16 +262,12 @@ static void the_interval_of_the_moulds_steps_is_read_and_resolved(void **state)
   static const double expected[] = {(double)INFINITY, 0.0, 20e-6};
   for (int k = 0; k < 3; k++) {
     char text[4096];
-    CastError err = {CAST_OK, ""};
-    snprintf(text, sizeof text, "%scoupling: { mould_step: %s }\n", LEAST, words[k]);
-    CastConfig *config = read_text(text, "cast.yaml");
+    snprintf(text, sizeof text, "%scoupling: { mould_step: %s }\n", CONFIG_LEAST, words[k]);
+    CastConfig *config = config_case_read(text, "cast.yaml");
     const double found = config->coupling.mould_interval;
     assert_true(found == expected[k] || fabs(found - expected[k]) < 1e-15 * expected[k]); // units rounded
-    char *resolved = NULL;
-    assert_int_equal(cast_config_resolved(config, 0.0, &resolved, &err), CAST_OK);
-    CastConfig *again = read_text(resolved, "/elsewhere/resolved.yaml");
+    CastConfig *again = config_case_again(config);
     assert_true(again->coupling.mould_interval == found);
-    free(resolved);
     cast_config_destroy(&config);
     cast_config_destroy(&again);
   }
@@ -473,10 +279,6 @@ int main(void)
       cmocka_unit_test(an_input_of_the_least_keys_gets_the_defaults),
       cmocka_unit_test(every_option_arrives),
       cmocka_unit_test(the_resolved_input_reads_again_to_the_same_bits),
-      cmocka_unit_test(contact_tables_and_surfaces_arrive_and_are_written_again),
-      cmocka_unit_test(forces_that_change_with_time_arrive_and_are_written_again),
-      cmocka_unit_test(inlets_and_outlets_arrive_and_are_written_again),
-      cmocka_unit_test(outer_walls_arrive_and_are_written_again),
       cmocka_unit_test(a_sound_speed_that_was_chosen_stands_in_the_resolved_input),
       cmocka_unit_test(all_faults_are_told_at_once),
       cmocka_unit_test(the_interval_of_the_moulds_steps_is_read_and_resolved),
