@@ -11,6 +11,7 @@
 #include "tests/support/assert_close.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
+#include "tests/support/surface_of.h"
 
 enum { BOXES = 5, MOULDS = 12 };
 
@@ -42,8 +43,7 @@ static void make_mould(uint64_t *seed, double reach, RandomMould *made)
   for (int k = 0; k < 3; k++) made->back.shift[k] = 0.0;
   made->shape = (ShapedMould){{-3, -3, -3}, {3, 3, 3}, BOXES, made->box, 0.7, bend_turn, &made->turn};
   made->rom = shaped_mould_create(&made->shape);
-  CastError err = {0};
-  if (surface_create(made->rom, reach, &made->surface, &err) != CAST_OK) fail_msg("%s", err.message);
+  made->surface = surface_of(made->rom, reach);
 }
 
 static void release(RandomMould *made)

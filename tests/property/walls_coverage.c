@@ -13,6 +13,7 @@
 #include "cast/kernel/kernel.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
+#include "tests/support/surface_of.h"
 
 #define H 1.3
 #define REACH 2.6
@@ -91,10 +92,9 @@ static void check_coverage(const ShapedMould *shape, const double low[3], const 
 {
   enum { PLACES = 25 };
   RomData *rom = shaped_mould_create(shape);
-  Surface *surface;
   WallSet walls;
   CastError err = {0};
-  if (surface_create(rom, REACH, &surface, &err) != CAST_OK) fail_msg("%s", err.message);
+  Surface *surface = surface_of(rom, REACH);
   if (walls_generate(surface, 1.0, REACH, ORIGIN, &walls, &err) != CAST_OK) fail_msg("%s", err.message);
   uint64_t seed = 7;
   double square = 0.0;

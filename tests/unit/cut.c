@@ -9,15 +9,7 @@
 #include "tests/support/assert_close.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
-
-static Surface *make_surface(const ShapedMould *shape, RomData **rom)
-{
-  CastError err = {0};
-  Surface *surface;
-  *rom = shaped_mould_create(shape);
-  if (surface_create(*rom, 2.6, &surface, &err) != CAST_OK) fail_msg("%s", err.message);
-  return surface;
-}
+#include "tests/support/surface_of.h"
 
 /* Sum over the lattice of unit cells that covers [low, high]. */
 static CutPart sum_cells(const Surface *surface, const double low[3], int n, double cell)
@@ -48,8 +40,8 @@ static void cells_of_a_turned_block_add_up_to_its_volume_and_moment(void **state
     random_point(&seed, (const double[3]){-1, -1, -1}, (const double[3]){1, 1, 1}, turn.shift);
     vec_normalise(turn.axis);
     const ShapedMould shape = {{-3, -2, -2.5}, {2, 3, 2}, 0, NULL, 1.7, bend_turn, &turn};
-    RomData *rom;
-    Surface *surface = make_surface(&shape, &rom);
+    RomData *rom = shaped_mould_create(&shape);
+    Surface *surface = surface_of(rom, 2.6);
     double centre[3] = {-0.5, 0.5, -0.25};
     bend_turn(&turn, centre);
     const CutPart sum = sum_cells(surface, (const double[3]){-8, -8, -8}, 16, 1.0);
@@ -65,8 +57,8 @@ static void a_lattice_that_falls_on_the_wall_counts_each_cell_once(void **state)
   (void)state;
   const ShapedBox cavity = {{-2, -2, -2}, {2, 2, 2}, false};
   const ShapedMould shape = {{-4, -4, -4}, {4, 4, 4}, 1, &cavity, 1.0, NULL, NULL};
-  RomData *rom;
-  Surface *surface = make_surface(&shape, &rom);
+  RomData *rom = shaped_mould_create(&shape);
+  Surface *surface = surface_of(rom, 2.6);
   const CutPart sum = sum_cells(surface, (const double[3]){-5, -5, -5}, 10, 1.0);
   assert_close(sum.volume, 8.0 * 8.0 * 8.0 - 4.0 * 4.0 * 4.0, 1e-9);
   surface_destroy(&surface);
@@ -92,8 +84,8 @@ static void curved_walls_are_cut_to_a_thousandth_of_a_cell(void **state)
   const double ab[2] = {3.0, 3.9};
   const ShapedBox ball = {{-3, -3, -3}, {3, 3, 3}, false};
   const ShapedMould shape = {{-4, -4, -4}, {4, 4, 4}, 1, &ball, 0.4, bend_ball, ab};
-  RomData *rom;
-  Surface *surface = make_surface(&shape, &rom);
+  RomData *rom = shaped_mould_create(&shape);
+  Surface *surface = surface_of(rom, 2.6);
   const CutPart sum = sum_cells(surface, (const double[3]){-5.3, -5.1, -5.2}, 11, 1.0);
   assert_close(sum.volume, mesh_volume(surface), 0.02); // some 200 cut cells, each within 1e-4 of its volume
   surface_destroy(&surface);
@@ -110,8 +102,8 @@ static void a_saddle_shaped_wall_is_cut_by_division(void **state)
 {
   (void)state;
   const ShapedMould shape = {{-4, -4, -4}, {4, 4, 0}, 0, NULL, 0.4, bend_wave, NULL};
-  RomData *rom;
-  Surface *surface = make_surface(&shape, &rom);
+  RomData *rom = shaped_mould_create(&shape);
+  Surface *surface = surface_of(rom, 2.6);
   const CutPart sum = sum_cells(surface, (const double[3]){-5.3, -5.1, -5.2}, 11, 1.0);
   assert_close(sum.volume, mesh_volume(surface), 1e-3 * 2 * 64); // two wavy faces of 64 cells each
   surface_destroy(&surface);

@@ -10,20 +10,13 @@
 #include "cast/geometry/surface_internal.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/shaped_mould.h"
+#include "tests/support/surface_of.h"
 #include "tests/support/synthetic_rom.h"
 
 #define PI 3.14159265358979323846
 
 static const double ZERO[3] = {0.0, 0.0, 0.0};
 static const double ASKEW[3] = {0.013, 0.031, -0.027};
-
-static Surface *make_surface(const RomData *rom, double reach)
-{
-  CastError err = {0};
-  Surface *surface;
-  if (surface_create(rom, reach, &surface, &err) != CAST_OK) fail_msg("%s", err.message);
-  return surface;
-}
 
 /* A tub of 2 x 2 x 1 with a pin of 0.4 x 0.4 x 0.8 below its floor; the rim is the plane z = 0. */
 static RomData *tub_with_pin(void)
@@ -37,7 +30,7 @@ static void a_block_takes_the_lattice_points_outside_the_mould(void **state)
 {
   (void)state;
   RomData *rom = tub_with_pin();
-  Surface *surface = make_surface(rom, 0.26);
+  Surface *surface = surface_of(rom, 0.26);
   PointSet points = {0};
   CastError err = {0};
   // lattice points at (i + 1/2)/10, so 0.05 from the walls: those in the cavity's outermost layers stand
@@ -74,7 +67,7 @@ static void the_cavity_below_a_level_is_filled_and_nothing_else(void **state)
 {
   (void)state;
   RomData *rom = tub_with_pin();
-  Surface *surface = make_surface(rom, 0.26);
+  Surface *surface = surface_of(rom, 0.26);
   PointSet points = {0};
   CastError err = {0};
   assert_int_equal(placement_add_cavity_below(surface, 0.1, ZERO, -0.5, &points, &err), CAST_OK);
@@ -101,7 +94,7 @@ static void cells_add_up_to_the_cavity(void **state)
 {
   (void)state;
   RomData *rom = tub_with_pin();
-  Surface *surface = make_surface(rom, 0.26);
+  Surface *surface = surface_of(rom, 0.26);
   const double exact = 2.0 * 2.0 * 1.0 + 0.4 * 0.4 * 0.8;
   for (int pass = 0; pass < 4; pass++) {
     CavityCells cells;
@@ -126,7 +119,7 @@ static void cells_of_a_round_closed_cavity_add_up_too(void **state)
   const ShapedBox ball = {{-1, -1, -1}, {1, 1, 1}, false};
   const ShapedMould shape = {{-2, -2, -2}, {2, 2, 2}, 1, &ball, 0.1, bend_ball, ab};
   RomData *rom = shaped_mould_create(&shape);
-  Surface *surface = make_surface(rom, 0.26);
+  Surface *surface = surface_of(rom, 0.26);
   CavityCells cells;
   CastError err = {0};
   assert_int_equal(cavity_cells_create(surface, rom, 0.15, ASKEW, &cells, &err), CAST_OK);
@@ -178,8 +171,8 @@ static void no_other_feature_is_nearer_and_the_spacing_does_not_matter(void **st
                             .h_outside = 10.0};
   RomData *rom;
   CastError err = {0};
-  if (synthetic_rom_box_cavity(&box, &rom, &err) != CAST_OK) fail_msg("%s", err.message);
-  Surface *surface = make_surface(rom, 0.26);
+  ok(synthetic_rom_box_cavity(&box, &rom, &err), &err);
+  Surface *surface = surface_of(rom, 0.26);
   const double coarse = check_names(surface, rom, 0.05, 7), fine = check_names(surface, rom, 0.02, 301);
   // over the rim of its mouth the pin has half of the space before the edge: cells there count as a whole, one or other
   assert_close(coarse, fine, 0.02 * fine);
@@ -202,8 +195,8 @@ static void cells_are_named_by_the_nearest_feature(void **state)
   RomData *rom;
   CavityCells cells;
   CastError err = {0};
-  if (synthetic_rom_box_cavity(&box, &rom, &err) != CAST_OK) fail_msg("%s", err.message);
-  Surface *surface = make_surface(rom, 0.26);
+  ok(synthetic_rom_box_cavity(&box, &rom, &err), &err);
+  Surface *surface = surface_of(rom, 0.26);
   assert_int_equal(cavity_cells_create(surface, rom, 0.1, ASKEW, &cells, &err), CAST_OK);
   assert_int_equal(cells.n_surfaces, 2);
   const int32_t pin = strcmp(cells.names[0], "pin") == 0 ? 0 : 1;
@@ -224,7 +217,7 @@ static void the_thinnest_gap_is_the_pins_width(void **state)
 {
   (void)state;
   RomData *rom = tub_with_pin();
-  Surface *surface = make_surface(rom, 0.26);
+  Surface *surface = surface_of(rom, 0.26);
   CastError err = {0};
   double gap, where[3];
   assert_int_equal(cavity_thinnest_gap(surface, &gap, where, &err), CAST_OK);
@@ -243,8 +236,8 @@ static void a_flat_wall_without_a_cavity_has_no_cells_and_no_gap(void **state)
   PointSet points = {0};
   CastError err = {0};
   double gap, where[3];
-  if (synthetic_rom_slab(&slab, &rom, &err) != CAST_OK) fail_msg("%s", err.message);
-  Surface *surface = make_surface(rom, 0.26);
+  ok(synthetic_rom_slab(&slab, &rom, &err), &err);
+  Surface *surface = surface_of(rom, 0.26);
   assert_int_equal(cavity_cells_create(surface, rom, 0.1, ZERO, &cells, &err), CAST_OK);
   assert_int_equal(cells.n, 0);
   assert_int_equal(placement_add_cavity_below(surface, 0.1, ZERO, 1.0, &points, &err), CAST_ERR_INPUT);

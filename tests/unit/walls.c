@@ -13,6 +13,7 @@
 #include "tests/support/assert_close.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/shaped_mould.h"
+#include "tests/support/surface_of.h"
 
 #define PI 3.14159265358979323846
 
@@ -26,7 +27,7 @@ static Case make_case(const ShapedMould *shape, double reach, const double origi
 {
   Case made = {.rom = shaped_mould_create(shape)};
   CastError err = {0};
-  if (surface_create(made.rom, reach, &made.surface, &err) != CAST_OK) fail_msg("%s", err.message);
+  made.surface = surface_of(made.rom, reach);
   if (walls_generate(made.surface, 1.0, reach, origin, &made.walls, &err) != CAST_OK) fail_msg("%s", err.message);
   return made;
 }
