@@ -1,6 +1,7 @@
 /* neighbours.h - who is within the kernel's support of whom. Cell lists and Verlet lists with a skin.
  * Lists are full: each fluid particle has all its neighbours, so iteration i writes only its own particle and results
- * have the same bits at any thread count. Entries of a list ascend in a fixed order that does not depend on threads. */
+ * have the same bits at any thread count. Entries of a row stand in an order that does not depend on threads: first
+ * what may lie within reach now, then what may later (pair_list_end). */
 #ifndef CAST_PARTICLES_NEIGHBOURS_H
 #define CAST_PARTICLES_NEIGHBOURS_H
 
