@@ -74,8 +74,8 @@ static CastStatus create(Sim *sim, CastError *err)
   CAST_CALL(neighbours_update(sim->neighbours, &sim->particles, true, &sim->rebuilt, err));
   coupling_use_surface(sim->coupling);
   CAST_CALL(coupling_rebuild(sim->coupling, &sim->particles, sim->neighbours, err));
-  return cool_create(&parameters, &sim->sph, &sim->particles, sim->neighbours, sim->coupling, sim->mould, &sim->cool,
-                     err);
+  const CoolSystem system = {&sim->sph, &sim->particles, sim->neighbours, sim->coupling, sim->mould};
+  return cool_create(&parameters, &system, &sim->cool, err);
 }
 
 CastStatus sim_cool_begin(Sim *sim, CastError *err)

@@ -135,7 +135,7 @@ static CastStatus create_points(SimCurves *curves, const Sim *sim, CastError *er
   if (!curves->tracer || !x) status = cast_error_set(err, CAST_ERR_MEMORY, "no memory for probes and tracers");
   for (size_t i = 0; i < c->output.n_probes && x; i++) memcpy(x[i], c->output.probe[i].x, sizeof *x);
   if (status == CAST_OK)
-    status = probes_create(c->output.n_probes, (const double(*)[3])x, sim->rom, sim->surface, c->kernel, sim->sph.h,
+    status = probes_create(c->output.n_probes, (const double(*)[3])x, sim->rom, sim->surface, &sim->sph,
                            &curves->probes, err);
   free(x);
   for (size_t k = 0; k < c->output.n_tracers && status == CAST_OK; k++)

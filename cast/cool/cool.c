@@ -42,22 +42,23 @@ static CastStatus allocate(Cool *c, size_t n, size_t m, size_t states, CastError
   return CAST_OK;
 }
 
-CastStatus cool_create(const CoolParameters *parameters, const SphParameters *sph, Particles *particles,
-                       const Neighbours *neighbours, Coupling *coupling, RomState *state, Cool **out, CastError *err)
+CastStatus cool_create(const CoolParameters *parameters, const CoolSystem *system, Cool **out, CastError *err)
 {
   *out = NULL;
-  CAST_CHECK(sph->melt, err, CAST_ERR_ARGUMENT, "cooling: the melt has no material");
+  const Material *melt = system->sph->melt;
+  CAST_CHECK(melt, err, CAST_ERR_ARGUMENT, "cooling: the melt has no material");
   Cool *c = calloc(1, sizeof *c);
   CAST_CHECK(c, err, CAST_ERR_MEMORY, "cooling: no memory");
-  const Table *curve = &sph->melt->enthalpy;
+  const Table *curve = &melt->enthalpy;
   const size_t last = curve->n - 1;
   c->parameters = *parameters;
   c->heat = (curve->y[last] - curve->y[last - 1]) / (curve->x[last] - curve->x[last - 1]);
   c->next = parameters->first_step;
-  CastStatus status = cool_solver_create(sph, particles, neighbours, coupling, state, &c->solver, err);
-  c->solver.accuracy = solver_share * parameters->tolerance * material_specific_heat_min(sph->melt);
+  CastStatus status = cool_solver_create(system, &c->solver, err);
+  c->solver.accuracy = solver_share * parameters->tolerance * material_specific_heat_min(melt);
   if (status == CAST_OK)
-    status = allocate(c, (size_t)particles->n_fluid, rom_state_n_patches(state), rom_state_size(state), err);
+    status = allocate(c, (size_t)system->particles->n_fluid, rom_state_n_patches(system->state),
+                      rom_state_size(system->state), err);
   if (status != CAST_OK) cool_destroy(&c);
   *out = c;
   return status;

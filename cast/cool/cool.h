@@ -15,15 +15,21 @@ typedef struct CoolParameters {
   double first_step; // s
 } CoolParameters;
 
+typedef struct CoolSystem { // what cools: all borrowed
+  const SphParameters *sph;
+  Particles *particles; // keep their number and order while the object lives
+  const Neighbours *neighbours;
+  Coupling *coupling;
+  RomState *state;
+} CoolSystem;
+
 typedef struct CoolCounts { // since cool_create or, restored, since the start of the stage
   double steps, rejected, newton, gradients;
   double shortest, longest; // s, steps
 } CoolCounts;
 
-/*  sph, particles, coupling, state  borrowed; particles keep their number and order while the object lives
- * Errors: CAST_ERR_MEMORY; CAST_ERR_ARGUMENT where sph has no melt. */
-CastStatus cool_create(const CoolParameters *parameters, const SphParameters *sph, Particles *particles,
-                       const Neighbours *neighbours, Coupling *coupling, RomState *state, Cool **cool, CastError *err);
+/* Errors: CAST_ERR_MEMORY; CAST_ERR_ARGUMENT where sph has no melt. */
+CastStatus cool_create(const CoolParameters *parameters, const CoolSystem *system, Cool **cool, CastError *err);
 void cool_destroy(Cool **cool);
 /* One step of at most `most` s: E, T, kappa and mu of the melt, the mould's state, the coupling's books.
  *   taken  out: its length, s

@@ -47,14 +47,14 @@ static bool allocate(CoolSolver *s, size_t n, size_t m)
   return ok && s->flow && s->sums && s->answer;
 }
 
-CastStatus cool_solver_create(const SphParameters *sph, Particles *p, const Neighbours *neighbours, Coupling *coupling,
-                              RomState *state, CoolSolver *s, CastError *err)
+CastStatus cool_solver_create(const CoolSystem *system, CoolSolver *s, CastError *err)
 {
-  const size_t m = rom_state_n_patches(state);
-  *s = (CoolSolver){.sph = sph, .p = p, .coupling = coupling, .state = state};
-  s->contacts = coupling_conductances(coupling, p);
-  CastStatus status = cool_graph_create(sph, p, neighbours, &s->graph, err);
-  if (status == CAST_OK) status = mould_response_create(m, state, &s->response, err);
+  Particles *p = system->particles;
+  const size_t m = rom_state_n_patches(system->state);
+  *s = (CoolSolver){.sph = system->sph, .p = p, .coupling = system->coupling, .state = system->state};
+  s->contacts = coupling_conductances(system->coupling, p);
+  CastStatus status = cool_graph_create(system->sph, p, system->neighbours, &s->graph, err);
+  if (status == CAST_OK) status = mould_response_create(m, system->state, &s->response, err);
   if (status == CAST_OK) status = find_owners(s, err);
   if (status == CAST_OK && !allocate(s, (size_t)p->n_fluid, m))
     status = cast_error_set(err, CAST_ERR_MEMORY, "cooling: no memory for %td particles", p->n_fluid);

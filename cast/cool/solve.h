@@ -2,6 +2,7 @@
 #ifndef CAST_COOL_SOLVE_H
 #define CAST_COOL_SOLVE_H
 
+#include "cast/cool/cool.h"
 #include "cast/cool/graph.h"
 #include "cast/cool/mould_response.h"
 
@@ -27,8 +28,7 @@ typedef struct CoolSolver {
 } CoolSolver;
 
 /* The lists and contacts are up to date. Errors: CAST_ERR_MEMORY. */
-CastStatus cool_solver_create(const SphParameters *sph, Particles *particles, const Neighbours *neighbours,
-                              Coupling *coupling, RomState *state, CoolSolver *solver, CastError *err);
+CastStatus cool_solver_create(const CoolSystem *system, CoolSolver *solver, CastError *err);
 void cool_solver_destroy(CoolSolver *solver);
 /* Enthalpies and mould from now to dt later; conductivities and contacts are those of the start. solver->flow: the mean
  * flows. The heat that a particle gives up is exactly what its neighbours and patches get, however well the equations

@@ -55,15 +55,15 @@ static void locate(Probes *probes, size_t i, const RomData *rom, const Surface *
   }
 }
 
-CastStatus probes_create(size_t n, const double (*x)[3], const RomData *rom, const Surface *surface, KernelKind kernel,
-                         double h, Probes **probes, CastError *err)
+CastStatus probes_create(size_t n, const double (*x)[3], const RomData *rom, const Surface *surface,
+                         const SphParameters *sph, Probes **probes, CastError *err)
 {
   Probes *made = *probes = calloc(1, sizeof *made);
   CAST_CHECK(made, err, CAST_ERR_MEMORY, "no memory for probes");
   made->n = n;
   made->r = rom->r;
-  made->kernel = kernel;
-  made->h = h;
+  made->kernel = sph->kernel;
+  made->h = sph->h;
   made->x = malloc((n + 1) * sizeof *made->x);
   made->home = calloc(n + 1, sizeof *made->home);
   made->row = calloc(n * rom->r + 1, sizeof *made->row);

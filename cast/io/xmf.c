@@ -24,12 +24,18 @@ static void put_set(FILE *out, const char *indent, const char *file, const char 
           indent, shape, integer ? "Int" : "Float", file, set);
 }
 
-/* Rows [first, first + rows) of a set of `total` rows. */
-static void put_slab(FILE *out, const char *file, const char *set, long long first, long long rows, long long total,
-                     int columns, bool integer)
+typedef struct Slab { // rows [first, first + rows) of a set of `total` rows
+  long long first, rows, total;
+  int columns;
+  bool integer;
+} Slab;
+
+static void put_slab(FILE *out, const char *file, const char *set, const Slab *slab)
 {
-  if (first == 0 && rows == total) {
-    put_set(out, "        ", file, set, rows, columns, integer);
+  const long long first = slab->first, rows = slab->rows;
+  const int columns = slab->columns;
+  if (first == 0 && rows == slab->total) {
+    put_set(out, "        ", file, set, rows, columns, slab->integer);
     return;
   }
   if (columns == 1)
@@ -42,7 +48,7 @@ static void put_slab(FILE *out, const char *file, const char *set, long long fir
             "        <DataItem ItemType=\"HyperSlab\" Dimensions=\"%lld %d\">\n"
             "          <DataItem Dimensions=\"3 2\" NumberType=\"Int\" Format=\"XML\">%lld 0 1 1 %lld %d</DataItem>\n",
             rows, columns, first, rows, columns);
-  put_set(out, "          ", file, set, total, columns, integer);
+  put_set(out, "          ", file, set, slab->total, columns, slab->integer);
   fputs("        </DataItem>\n", out);
 }
 
@@ -67,7 +73,8 @@ static void put_grid(FILE *out, const VtkSeries *series, const VtkStep *step, co
   if (!part) fprintf(out, "      <Time Value=\"%.17g\"/>\n", step->time);
   put_topology(out, file, step, part);
   fputs("      <Geometry GeometryType=\"XYZ\">\n", out);
-  put_slab(out, file, "Points", step->first_point, step->n_points, vtk_series_n_points(series), 3, false);
+  const Slab points = {step->first_point, step->n_points, vtk_series_n_points(series), 3, false};
+  put_slab(out, file, "Points", &points);
   fputs("      </Geometry>\n", out);
   for (size_t f = 0; f < vtk_series_n_fields(series); f++) {
     const VtkField *field = &vtk_series_fields(series)[f];
@@ -75,8 +82,9 @@ static void put_grid(FILE *out, const VtkSeries *series, const VtkStep *step, co
     snprintf(set, sizeof set, "PointData/%s", field->name);
     fprintf(out, "      <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"Node\">\n", field->name,
             field->components == 3 ? "Vector" : "Scalar");
-    put_slab(out, file, set, step->first_value, step->n_points, vtk_series_n_values(series), field->components,
-             field->integer);
+    const Slab values = {step->first_value, step->n_points, vtk_series_n_values(series), field->components,
+                         field->integer};
+    put_slab(out, file, set, &values);
     fputs("      </Attribute>\n", out);
   }
   for (size_t f = 0; part && f < part->n_maps; f++) {

@@ -204,12 +204,18 @@ void melt_on_mould_step(MeltOnMould *melt, double dt)
   melt->time += dt;
 }
 
-CoolCounts melt_on_mould_cool(MeltOnMould *melt, double tolerance, double first_step, double until)
+Cool *melt_on_mould_begin_cooling(MeltOnMould *melt, double tolerance, double first_step)
 {
   const CoolParameters parameters = {tolerance, first_step};
+  const CoolSystem system = {&melt->sph, &melt->particles, melt->neighbours, melt->coupling, melt->mould};
   Cool *cool = NULL;
-  MUST(cool_create(&parameters, &melt->sph, &melt->particles, melt->neighbours, melt->coupling, melt->mould, &cool,
-                   err));
+  MUST(cool_create(&parameters, &system, &cool, err));
+  return cool;
+}
+
+CoolCounts melt_on_mould_cool(MeltOnMould *melt, double tolerance, double first_step, double until)
+{
+  Cool *cool = melt_on_mould_begin_cooling(melt, tolerance, first_step);
   while (melt->time < until * (1.0 - 1e-12)) {
     double taken = 0.0;
     MUST(cool_step(cool, until - melt->time, &taken, err));

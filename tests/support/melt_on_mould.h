@@ -47,6 +47,8 @@ void melt_on_mould_create(const MeltCase *given, MeltOnMould *melt);
 void melt_on_mould_destroy(MeltOnMould *melt);
 void melt_on_mould_rebuild(MeltOnMould *melt);           // neighbour lists and contacts, after particles were moved
 void melt_on_mould_step(MeltOnMould *melt, double dt);   // conduction, exchange, mould, enthalpies
+/* For steps of cool_step; the caller destroys it. */
+Cool *melt_on_mould_begin_cooling(MeltOnMould *melt, double tolerance, double first_step);
 /* In implicit steps until the time `until`, s. Returns what it took. */
 CoolCounts melt_on_mould_cool(MeltOnMould *melt, double tolerance, double first_step, double until);
 double melt_on_mould_time_step(const MeltOnMould *melt); // s, the run's own choice

@@ -120,48 +120,38 @@ static void every_option_arrives(void **state)
   cast_config_destroy(&c);
 }
 
+enum { NUMBERS = 20 };
+
+static void list_numbers(const CastConfig *c, double number[NUMBERS])
+{
+  const double all[NUMBERS] = {c->preheat,
+                               c->ambient,
+                               c->melt_temperature,
+                               c->coupling.h_contact,
+                               c->spacing,
+                               c->smoothing,
+                               c->sound_speed,
+                               c->density_diffusion,
+                               c->artificial_viscosity,
+                               c->end,
+                               c->step,
+                               c->output.every,
+                               c->output.curves_every,
+                               c->output.checkpoint_every,
+                               c->cool.end,
+                               c->cool.tolerance,
+                               c->cool.every,
+                               c->cool.curves_every,
+                               c->melt.density,
+                               c->melt.conductivity};
+  memcpy(number, all, sizeof all);
+}
+
 static void assert_same_numbers(const CastConfig *a, const CastConfig *b)
 {
-  const double u[] = {a->preheat,
-                      a->ambient,
-                      a->melt_temperature,
-                      a->coupling.h_contact,
-                      a->spacing,
-                      a->smoothing,
-                      a->sound_speed,
-                      a->density_diffusion,
-                      a->artificial_viscosity,
-                      a->end,
-                      a->step,
-                      a->output.every,
-                      a->output.curves_every,
-                      a->output.checkpoint_every,
-                      a->cool.end,
-                      a->cool.tolerance,
-                      a->cool.every,
-                      a->cool.curves_every,
-                      a->melt.density,
-                      a->melt.conductivity};
-  const double w[] = {b->preheat,
-                      b->ambient,
-                      b->melt_temperature,
-                      b->coupling.h_contact,
-                      b->spacing,
-                      b->smoothing,
-                      b->sound_speed,
-                      b->density_diffusion,
-                      b->artificial_viscosity,
-                      b->end,
-                      b->step,
-                      b->output.every,
-                      b->output.curves_every,
-                      b->output.checkpoint_every,
-                      b->cool.end,
-                      b->cool.tolerance,
-                      b->cool.every,
-                      b->cool.curves_every,
-                      b->melt.density,
-                      b->melt.conductivity};
+  double u[NUMBERS], w[NUMBERS];
+  list_numbers(a, u);
+  list_numbers(b, w);
   assert_memory_equal(u, w, sizeof u);
   config_case_same_drive(&a->drive, &b->drive);
   assert_int_equal(a->n_blocks, b->n_blocks);

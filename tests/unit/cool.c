@@ -166,12 +166,7 @@ static void cooling_has_the_same_bits_on_any_number_of_threads(void **state)
 
 static Cool *start(MeltOnMould *melt)
 {
-  CastError err;
-  Cool *cool = NULL;
-  const CoolParameters parameters = {1.0, 1e-3};
-  ok(cool_create(&parameters, &melt->sph, &melt->particles, melt->neighbours, melt->coupling, melt->mould, &cool, &err),
-     &err);
-  return cool;
+  return melt_on_mould_begin_cooling(melt, 1.0, 1e-3);
 }
 
 static void cooling_saved_and_restored_goes_on_with_the_same_bits(void **state)

@@ -47,13 +47,14 @@ static void a_probe_in_the_melt_averages_a_linear_field_exactly(void **state)
 {
   (void)state;
   CastError err = {0};
-  const double h = 0.6e-3, corner[3] = {-2e-3, -2e-3, -4e-3};
+  const SphParameters sph = {.kernel = KERNEL_WENDLAND_C2, .h = 0.6e-3};
+  const double corner[3] = {-2e-3, -2e-3, -4e-3};
   Particles p = lattice_melt(corner, (const int[3]){10, 10, 10}, 0.4e-3);
   const double x[3][3] = {{0.0, 0.0, -2e-3}, {0.0, 0.0, 3e-3}, {3e-3, 0.0, -2e-3}};
   Probes *probes = NULL;
   RomState *mould = NULL;
   ok(rom_state_create(rom, ROM_EXPONENTIAL, 1000.0, 300.0, &mould, &err), &err);
-  ok(probes_create(3, x, rom, surface, KERNEL_WENDLAND_C2, h, &probes, &err), &err);
+  ok(probes_create(3, x, rom, surface, &sph, &probes, &err), &err);
   assert_close(probes_melt_temperature(probes, 0, &p), 1300.0, 1e-9);
   assert_true(isnan(probes_mould_temperature(probes, 0, mould)));
   assert_true(isnan(probes_melt_temperature(probes, 1, &p))); // above the mould, no melt
@@ -70,6 +71,7 @@ static void a_probe_in_the_mould_interpolates_the_basis(void **state)
 {
   (void)state;
   CastError err = {0};
+  const SphParameters sph = {.kernel = KERNEL_WENDLAND_C2, .h = 1e-3};
   const size_t node = (size_t)rom->tetrahedra[4 * (rom->n_tetrahedra / 2)];
   double x[1][3], *q = calloc(rom->m, sizeof *q), *T = malloc(rom->n_points * sizeof *T);
   assert_non_null(q);
@@ -86,7 +88,7 @@ static void a_probe_in_the_mould_interpolates_the_basis(void **state)
   for (size_t l = 0; l < rom->m; l++) q[l] = 1.0 + (double)l;
   rom_state_step(mould, q, 0.5);
   rom_state_point_temperature(mould, T);
-  ok(probes_create(1, (const double(*)[3])x, rom, surface, KERNEL_WENDLAND_C2, 1e-3, &probes, &err), &err);
+  ok(probes_create(1, (const double(*)[3])x, rom, surface, &sph, &probes, &err), &err);
   assert_int_equal(probes_home(probes, 0), PROBE_BAND);
   assert_true(fabs(T[node] - 1000.0) > 1e-3);
   // 1e-7 of the way to the middle, over which T changes by less than its whole rise

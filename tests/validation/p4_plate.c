@@ -40,13 +40,8 @@ static double time_to(double mould, double fs, bool implicit)
   melt_on_mould_create(&given, &melt);
   const double goal = material_enthalpy(&melt.melt, material_temperature_of_fraction(&melt.melt, fs));
   const double mass = melt.particles.mass[0] * (double)melt.particles.n_fluid;
-  const CoolParameters parameters = {0.2, 1e-4};
   CastError err;
-  Cool *cool = NULL;
-  if (implicit)
-    assert_int_equal(
-        cool_create(&parameters, &melt.sph, &melt.particles, melt.neighbours, melt.coupling, melt.mould, &cool, &err),
-        CAST_OK);
+  Cool *cool = implicit ? melt_on_mould_begin_cooling(&melt, 0.2, 1e-4) : NULL;
   double before = 0.0, E_before = 0.0, E = sph_enthalpy(&melt.particles) / mass;
   while (E > goal) {
     before = melt.time;

@@ -105,16 +105,12 @@ static Found run(const Exact *e, double spacing)
       .ambient = 300.0};
   MeltOnMould melt;
   CastError err;
-  Cool *cool = NULL;
   Freezing *freezing = NULL;
   melt_on_mould_create(&given, &melt);
   assert_int_equal(freezing_create(&melt.melt, melt.particles.n_fluid, &freezing, &err), CAST_OK);
   freezing_watch_gradient(freezing, &melt.sph, melt.neighbours);
   freezing_update(freezing, &melt.particles, 0.0);
-  const CoolParameters parameters = {0.1, 1e-4};
-  assert_int_equal(
-      cool_create(&parameters, &melt.sph, &melt.particles, melt.neighbours, melt.coupling, melt.mould, &cool, &err),
-      CAST_OK);
+  Cool *cool = melt_on_mould_begin_cooling(&melt, 0.1, 1e-4);
   const double until = 1.2 * pow(10e-3 / (2.0 * sqrt(KAPPA / (RHO * C)) * e->l_s), 2.0);
   while (melt.time < until) {
     double taken = 0.0;
