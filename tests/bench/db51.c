@@ -7,24 +7,17 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "tests/bench/bench.h"
 #include "tests/bench/lammps.h"
 #include "tests/support/lattice_tank.h"
 
 enum { DRIFT, LISTS, RATES, FINISH, LIMITS, PARTS };
 static const char *const part_name[PARTS] = {"drift", "neighbour lists", "rates", "finish", "time-step limits"};
 
-static double cpu_time(void)
-{
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static double lap(double *clock)
 {
-  const double now = cpu_time(), spent = now - *clock;
+  const double now = bench_cpu_time(), spent = now - *clock;
   *clock = now;
   return spent;
 }
@@ -37,26 +30,16 @@ static void make_melt(Material *melt)
   const double at[] = {1300.0, 1311.0, 1500.0}, kappa[] = {59.0, 30.0, 32.0}, mu[] = {7e-3, 5e-3, 4e-3};
   CastError err;
   *melt = (Material){.density = 1000.0};
-  if (table_create(8, T, E, &melt->enthalpy, &err) != CAST_OK ||
-      table_create(3, at, kappa, &melt->conductivity_of_t, &err) != CAST_OK ||
-      table_create(3, at, mu, &melt->viscosity_of_t, &err) != CAST_OK) {
-    fprintf(stderr, "%s\n", err.message);
-    exit(1);
-  }
-}
-
-static void must(CastStatus status, const CastError *err)
-{
-  if (status == CAST_OK) return;
-  fprintf(stderr, "%s\n", err->message);
-  exit(1);
+  must(table_create(8, T, E, &melt->enthalpy, &err), &err);
+  must(table_create(3, at, kappa, &melt->conductivity_of_t, &err), &err);
+  must(table_create(3, at, mu, &melt->viscosity_of_t, &err), &err);
 }
 
 static void step(LatticeTank *tank, double dt, double spent[PARTS])
 {
   CastError err = {0};
   Particles *p = &tank->particles;
-  double clock = cpu_time();
+  double clock = bench_cpu_time();
   must(sph_drift(&tank->sph, p, NULL, dt, NULL, &err), &err);
   spent[DRIFT] += lap(&clock);
   must(neighbours_update(tank->neighbours, p, false, NULL, &err), &err);
@@ -77,7 +60,7 @@ static double plain_rates(LatticeTank *tank)
 {
   double best = INFINITY;
   for (int run = 0; run < 3; run++) {
-    double clock = cpu_time();
+    double clock = bench_cpu_time();
     sph_forces(&tank->sph, &tank->particles, tank->neighbours);
     sph_conduction(&tank->sph, &tank->particles, tank->neighbours);
     best = fmin(best, lap(&clock));

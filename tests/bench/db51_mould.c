@@ -6,24 +6,10 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "cast/sim_private.h"
+#include "tests/bench/bench.h"
 #include "tests/support/cast_case.h"
-
-static double cpu_time(void)
-{
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void must(CastStatus status, const CastError *err)
-{
-  if (status == CAST_OK) return;
-  fprintf(stderr, "%s\n", err->message);
-  exit(1);
-}
 
 static CastConfig *make_case(CastCase *made)
 {
@@ -76,11 +62,11 @@ int main(int argc, char **argv)
   CastCase made;
   CastConfig *config = make_case(&made);
   Sim *sim = NULL;
-  const double begun = cpu_time();
+  const double begun = bench_cpu_time();
   must(sim_create(config, NULL, &sim, &err), &err);
-  const double ready = cpu_time();
+  const double ready = bench_cpu_time();
   for (long k = 0; k < steps; k++) must(sim_step(sim, &err), &err);
-  report(sim, cpu_time() - ready, ready - begun);
+  report(sim, bench_cpu_time() - ready, ready - begun);
   sim_destroy(&sim);
   cast_config_destroy(&config);
   cast_case_remove(&made);

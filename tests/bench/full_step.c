@@ -6,20 +6,13 @@
 #include <math.h>
 #include <petscksp.h>
 #include <slepcsys.h>
-#include <time.h>
 
 #include "reduce/mor/online_cost.h"
 #include "reduce/petsc_compat.h"
+#include "tests/bench/bench.h"
 #include "tests/support/mould_case.h"
 
 enum { SOLVES = 3, PATCHES = 7 };
-
-static double cpu_time(void)
-{
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void print_row(const char *what, double seconds, double reduced, const char *note)
 {
@@ -47,18 +40,18 @@ static PetscErrorCode time_factor(const ThermalSystem *system, PetscReal dt, dou
   PetscCall(PCSetType(pc, PCCHOLESKY));
   PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   PetscCall(KSPSetFromOptions(ksp));
-  const double begun = cpu_time();
+  const double begun = bench_cpu_time();
   PetscCall(KSPSetUp(ksp));
-  *factor = cpu_time() - begun;
+  *factor = bench_cpu_time() - begun;
   PetscCall(MatCreateVecs(A, &theta, &rhs));
   PetscCall(VecSet(theta, 1.0));
-  const double solving = cpu_time();
+  const double solving = bench_cpu_time();
   for (int step = 0; step < SOLVES; step++) {
     PetscCall(MatMult(system->E, theta, rhs));
     PetscCall(VecScale(rhs, 1.0 / dt));
     PetscCall(KSPSolve(ksp, rhs, theta));
   }
-  *solve = (cpu_time() - solving) / SOLVES;
+  *solve = (bench_cpu_time() - solving) / SOLVES;
   PetscCall(VecDestroy(&rhs));
   PetscCall(VecDestroy(&theta));
   PetscCall(KSPDestroy(&ksp));
@@ -76,12 +69,12 @@ static PetscErrorCode compare(const ThermalSystem *system, PetscBool factorise)
 
   PetscFunctionBeginUser;
   config.solver_rtol = 1e-5; // enough for 1e-3
-  const double begun = cpu_time();
+  const double begun = bench_cpu_time();
   PetscCall(reduced_model_create(system, &config, NULL, &model));
   PetscCall(online_cost_measure(model, &online));
   printf("full model of %" PetscInt_FMT " unknowns, %" PetscInt_FMT " patches; reduced to %" PetscInt_FMT
          " states in %.0f s\n",
-         system->n, system->m, model->r, cpu_time() - begun);
+         system->n, system->m, model->r, bench_cpu_time() - begun);
   print_row("step of the reduced model", online.seconds, online.seconds, "");
   for (size_t k = 0; k < sizeof DT / sizeof *DT; k++) {
     FullStepCost cost;

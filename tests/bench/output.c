@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
-#include <time.h>
 
 #include "cast/sim_private.h"
+#include "tests/bench/bench.h"
 #include "tests/support/cast_case.h"
 
 typedef struct Casting {
@@ -17,20 +17,6 @@ typedef struct Casting {
   char folder[128];
   double stepping, writing; // s of processor time
 } Casting;
-
-static double cpu_time(void)
-{
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void must(CastStatus status, const CastError *err)
-{
-  if (status == CAST_OK) return;
-  fprintf(stderr, "%s\n", err->message);
-  exit(1);
-}
 
 static void start(const CastCase *made, const char *name, double every, bool writes, Casting *run)
 {
@@ -56,12 +42,12 @@ static void start(const CastCase *made, const char *name, double every, bool wri
 static void step(Casting *run)
 {
   CastError err = {0};
-  const double begun = cpu_time();
+  const double begun = bench_cpu_time();
   must(sim_step(run->sim, &err), &err);
-  const double stepped = cpu_time();
+  const double stepped = bench_cpu_time();
   if (run->sim->output) must(sim_output_due(run->sim, &err), &err);
   run->stepping += stepped - begun;
-  run->writing += cpu_time() - stepped;
+  run->writing += bench_cpu_time() - stepped;
 }
 
 static void report(const Casting *with, const Casting *without, double every)

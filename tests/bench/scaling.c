@@ -5,9 +5,9 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "tests/bench/bench.h"
 #include "tests/support/lattice_tank.h"
 
 /* Memory of this process, B. */
@@ -47,13 +47,6 @@ static void make_tank(double n, LatticeTank *tank)
   }
 }
 
-static double cpu_time(void)
-{
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Seconds of wall and of processor time a step: least of five runs of `steps` steps, the first step (lists from
  * nothing) left out. */
 static void time_steps(LatticeTank *tank, int steps, double *wall, double *cpu)
@@ -61,10 +54,10 @@ static void time_steps(LatticeTank *tank, int steps, double *wall, double *cpu)
   *wall = *cpu = INFINITY;
   lattice_tank_step(tank, 0.0);
   for (int run = 0; run < 5; run++) {
-    const double begun = omp_get_wtime(), cpu_begun = cpu_time();
+    const double begun = omp_get_wtime(), cpu_begun = bench_cpu_time();
     for (int k = 0; k < steps; k++) lattice_tank_step(tank, 0.0);
     *wall = fmin(*wall, (omp_get_wtime() - begun) / steps);
-    *cpu = fmin(*cpu, (cpu_time() - cpu_begun) / steps);
+    *cpu = fmin(*cpu, (bench_cpu_time() - cpu_begun) / steps);
   }
 }
 

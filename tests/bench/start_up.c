@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <time.h>
 
 #include "cast/kernel/kernel.h"
 #include "cast/particles/neighbours.h"
 #include "cast/sim_private.h"
+#include "tests/bench/bench.h"
 #include "tests/support/cast_case.h"
 
 typedef struct Clock {
@@ -19,9 +19,7 @@ typedef struct Clock {
 
 static Clock read_clock(void)
 {
-  struct timespec cpu;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
-  return (Clock){(double)cpu.tv_sec + 1e-9 * (double)cpu.tv_nsec, omp_get_wtime()};
+  return (Clock){bench_cpu_time(), omp_get_wtime()};
 }
 
 static Clock lap(const char *what, Clock since)
@@ -30,13 +28,6 @@ static Clock lap(const char *what, Clock since)
   printf("  %-34s %8.2f s of CPU %8.2f s of wall\n", what, now.cpu - since.cpu, now.wall - since.wall);
   fflush(stdout);
   return read_clock();
-}
-
-static void must(CastStatus status, const CastError *err)
-{
-  if (status == CAST_OK) return;
-  fprintf(stderr, "%s\n", err->message);
-  exit(1);
 }
 
 /* Digits as a computed basis has them: one from a closed form would be packed to a fiftieth. */

@@ -16,6 +16,16 @@ const BoxMould INVESTMENT_BOX = {.size = {0.024, 0.016, 0.02},
                                  .rho = {1800.0},
                                  .c = {1100.0}};
 
+const BoxMould SMALL_BOX = {.size = {0.009, 0.006, 0.012},
+                            .cells = {6, 4, 8},
+                            .grading = 2.0,
+                            .patches = {3, 2},
+                            .h_sides = 15.0,
+                            .h_top = 40.0,
+                            .kappa = {1.0},
+                            .rho = {1800.0},
+                            .c = {1100.0}};
+
 PetscErrorCode mould_case_create(MPI_Comm comm, const BoxMould *box, MouldCase *mould)
 {
   PetscFunctionBeginUser;

@@ -14,6 +14,8 @@ typedef struct MouldCase {
 
 /* Phosphate investment, 24 x 16 x 20 mm, eight patches, thin layers at the cavity wall, Robin outside. */
 extern const BoxMould INVESTMENT_BOX;
+/* 9 x 6 x 12 mm of it, six patches: small enough for a second or two in all. */
+extern const BoxMould SMALL_BOX;
 
 PetscErrorCode mould_case_create(MPI_Comm comm, const BoxMould *box, MouldCase *mould);
 PetscErrorCode mould_case_destroy(MouldCase *mould);

@@ -8,18 +8,14 @@
 #include <cmocka.h>
 
 #include "cast/kernel/pair.h"
-
-void wet_ok(CastStatus status, const CastError *err)
-{
-  if (status != CAST_OK) fail_msg("%s", err->message);
-}
+#include "tests/support/assert_ok.h"
 
 static void find_rates(WetTank *wet, bool first)
 {
   CastError err = {0};
-  wet_ok(neighbours_update(wet->tank.neighbours, &wet->tank.particles, first, NULL, &err), &err);
+  ok(neighbours_update(wet->tank.neighbours, &wet->tank.particles, first, NULL, &err), &err);
   sph_rates(&wet->tank.sph, &wet->tank.particles, wet->tank.neighbours);
-  wet_ok(tension_push(wet->tension, &wet->tank.particles, wet->tank.neighbours, &err), &err);
+  ok(tension_push(wet->tension, &wet->tank.particles, wet->tank.neighbours, &err), &err);
 }
 
 void wet_tank_begin(WetTank *wet, double mu, double theta)
@@ -28,10 +24,10 @@ void wet_tank_begin(WetTank *wet, double mu, double theta)
   CastError err = {0};
   lattice_tank_create(&wet->tank);
   for (ptrdiff_t i = 0; i < wet->tank.particles.n_fluid; i++) wet->tank.particles.mu[i] = mu;
-  wet_ok(table_create(1, &at, &one, &wet->sigma, &err), &err);
-  wet_ok(tension_create(wet->tank.sph.kernel, wet->tank.sph.h, wet->tank.sph.spacing, &wet->sigma,
-                        theta * pair_pi / 180.0, &wet->tension, &err),
-         &err);
+  ok(table_create(1, &at, &one, &wet->sigma, &err), &err);
+  ok(tension_create(wet->tank.sph.kernel, wet->tank.sph.h, wet->tank.sph.spacing, &wet->sigma, theta * pair_pi / 180.0,
+                    &wet->tension, &err),
+     &err);
   wet->tank.sph.wall_pull = tension_wall_pull(wet->tension);
   sph_initialise(&wet->tank.sph, &wet->tank.particles);
   find_rates(wet, true);
@@ -42,9 +38,9 @@ void wet_tank_step(WetTank *wet)
   CastError err = {0};
   LatticeTank *tank = &wet->tank;
   const double dt = fmin(sph_time_step(&tank->sph, &tank->particles).step, tension_step(wet->tension, 1.0));
-  wet_ok(sph_drift(&tank->sph, &tank->particles, NULL, dt, NULL, &err), &err);
+  ok(sph_drift(&tank->sph, &tank->particles, NULL, dt, NULL, &err), &err);
   find_rates(wet, false);
-  wet_ok(sph_finish(&tank->sph, &tank->particles, dt, &err), &err);
+  ok(sph_finish(&tank->sph, &tank->particles, dt, &err), &err);
   tank->time += dt;
 }
 

@@ -12,7 +12,6 @@ typedef struct WetTank {
   Table sigma;
 } WetTank;
 
-void wet_ok(CastStatus status, const CastError *err); // fails the test otherwise
 SphParameters wet_parameters(double dx, double c0);
 /* Make the tank from its fields, melt of viscosity mu that meets walls at theta, degrees. */
 void wet_tank_begin(WetTank *wet, double mu, double theta);

@@ -11,15 +11,6 @@
 #include "reduce/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
-static const BoxMould BOX = {.size = {0.009, 0.006, 0.012},
-                             .cells = {6, 4, 8},
-                             .grading = 2.0,
-                             .patches = {3, 2},
-                             .h_sides = 15.0,
-                             .h_top = 40.0,
-                             .kappa = {1.0},
-                             .rho = {1800.0},
-                             .c = {1100.0}};
 static const PetscReal T_START = 0.05, T_END = 50.0;
 
 static void a_step_response_comes_back_from_its_transform(void **state)
@@ -52,7 +43,7 @@ static void create_coarse(Coarse *coarse)
   Mat block;
   PetscInt kept, p;
   PetscReal ambient;
-  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &BOX, &coarse->mould));
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &coarse->mould));
   const ThermalSystem *system = coarse->mould.system;
   TEST_PETSC(ports_create(system, &coarse->ports, &ambient));
   TEST_PETSC(MatGetSize(coarse->ports, NULL, &p));

@@ -7,17 +7,6 @@
 #include "reduce/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
-/* 9 x 6 x 12 mm, small enough for a second or two in all. */
-static const BoxMould SMALL_BOX = {.size = {0.009, 0.006, 0.012},
-                                   .cells = {6, 4, 8},
-                                   .grading = 2.0,
-                                   .patches = {3, 2},
-                                   .h_sides = 15.0,
-                                   .h_top = 40.0,
-                                   .kappa = {1.0},
-                                   .rho = {1800.0},
-                                   .c = {1100.0}};
-
 static void reduce(const BoxMould *box, const ReductionConfig *config, MouldCase *mould, ReducedModel **model)
 {
   TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, box, mould));

@@ -12,15 +12,6 @@
 #include "reduce/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
-static const BoxMould BOX = {.size = {0.009, 0.006, 0.012},
-                             .cells = {6, 4, 8},
-                             .grading = 2.0,
-                             .patches = {3, 2},
-                             .h_sides = 15.0,
-                             .h_top = 40.0,
-                             .kappa = {1.0},
-                             .rho = {1800.0},
-                             .c = {1100.0}};
 static const PetscReal SHIFT = 1.0; // 1/s
 
 typedef struct Case { // a model of one shift
@@ -37,7 +28,7 @@ typedef struct Case { // a model of one shift
 static void begin(Case *c, PetscReal rtol)
 {
   PetscReal ambient;
-  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &BOX, &c->mould));
+  TEST_PETSC(mould_case_create(PETSC_COMM_WORLD, &SMALL_BOX, &c->mould));
   TEST_PETSC(ports_create(c->mould.system, &c->ports, &ambient));
   TEST_PETSC(MatGetSize(c->ports, NULL, &c->p));
   TEST_PETSC(shifted_solver_create(c->mould.system, rtol, PETSC_TRUE, &c->solver));

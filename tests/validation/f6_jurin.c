@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "cast/kernel/pair.h"
+#include "tests/support/assert_ok.h"
 #include "tests/support/validation.h"
 #include "tests/support/wet_tank.h"
 
@@ -34,7 +35,7 @@ static double slot_rise(double theta, double gravity, double from, double until)
   wet_tank_begin(&wet, 0.1, theta);
   Particles *p = &wet.tank.particles;
   for (ptrdiff_t k = 0; k < p->n - p->n_fluid; k++) p->patch[k] = p->foot[1][k] > (SLOT + 0.5 * WALL) * dx;
-  wet_ok(tension_set_angles(wet.tension, 1, &right_angle, 2, of_patch, &err), &err);
+  ok(tension_set_angles(wet.tension, 1, &right_angle, 2, of_patch, &err), &err);
   double sum = 0.0, weight = 0.0;
   while (wet.tank.time < until) {
     const double before = wet.tank.time;
