@@ -6,23 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void config_read_vector(YamlNode node, const char *unit, double value[3])
-{
-  if (yaml_exists(node) && !yaml_vector(node, unit, value)) value[0] = value[1] = value[2] = 0.0;
-}
-
-void config_read_box(YamlNode node, double corner[3], double size[3])
-{
-  config_read_vector(yaml_require(node, "corner"), "m", corner);
-  const YamlNode size_node = yaml_require(node, "size");
-  if (!yaml_exists(size_node) || !yaml_vector(size_node, "m", size)) return;
-  for (int d = 0; d < 3; d++)
-    if (!(size[d] > 0.0)) {
-      yaml_problem(size_node, "each of the three lengths must be above 0 m, %g m was found", size[d]);
-      return;
-    }
-}
-
 /* ---- melt ---- */
 
 static void read_block(YamlNode node, const CastConfig *config, BlockConfig *block)

@@ -5,38 +5,11 @@
  *     tilt: { axis: [0, 1, 0], angle: [[0 s, 0 deg], [2 s, 90 deg]] }
  *     gas: { pressure: 30 kPa  |  [[0 s, 0 kPa], [50 ms, 30 kPa]], from: { corner: [..], size: [..] } }
  *     spin: { point: [..], axis: [0, 0, 1], speed: 600 rpm  |  [[0 s, 0 rpm], [0.3 s, 600 rpm]] } */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cast/config_private.h"
-
-bool config_read_timed(YamlNode node, const char *unit, YamlRange range, Table *table)
-{
-  *table = (Table){0};
-  if (!yaml_exists(node)) return false;
-  if (yaml_is_sequence(node)) return material_read_table(node, "s", unit, range, table);
-  const double always = 0.0, value = yaml_quantity(node, unit, range, NAN);
-  CastError err;
-  if (isnan(value)) return false;
-  if (table_create(1, &always, &value, table, &err) == CAST_OK) return true;
-  yaml_problem(node, "%s", err.message);
-  return false;
-}
-
-bool config_read_direction(YamlNode node, double unit[3])
-{
-  unit[0] = unit[1] = unit[2] = 0.0;
-  if (!yaml_vector(node, "1", unit)) return false;
-  const double size = sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
-  if (!(size > 0.0)) {
-    yaml_problem(node, "a direction is expected, such as [0, 0, 1]; its length does not matter, but must not be 0");
-    return false;
-  }
-  for (int d = 0; d < 3; d++) unit[d] /= size;
-  return true;
-}
 
 /* ---- reading ---- */
 
@@ -49,7 +22,7 @@ static CastStatus read_gravity(YamlNode node, Drive *drive, CastError *err)
   CAST_CHECK(drive->time && drive->gravity, err, CAST_ERR_MEMORY, "no memory for %zu points of gravity", n);
   drive->n = n;
   if (!timed) {
-    if (yaml_exists(node) && !yaml_vector(node, "m/s^2", drive->gravity[0])) memset(drive->gravity[0], 0, 24);
+    config_read_vector(node, "m/s^2", drive->gravity[0]);
     return CAST_OK;
   }
   for (size_t i = 0; i < n; i++) {
@@ -59,7 +32,7 @@ static CastStatus read_gravity(YamlNode node, Drive *drive, CastError *err)
       continue;
     }
     drive->time[i] = yaml_quantity(yaml_item(pair, 0), "s", YAML_ANY, 0.0);
-    if (!yaml_vector(yaml_item(pair, 1), "m/s^2", drive->gravity[i])) memset(drive->gravity[i], 0, 24);
+    config_read_vector(yaml_item(pair, 1), "m/s^2", drive->gravity[i]);
     if (i > 0 && !(drive->time[i] > drive->time[i - 1]))
       yaml_problem(pair, "%g s follows %g s: times must rise strictly", drive->time[i], drive->time[i - 1]);
   }
@@ -107,27 +80,6 @@ CastStatus config_read_forces(YamlNode node, CastConfig *config, CastError *err)
 }
 
 /* ---- the resolved input ---- */
-
-void config_put_vector(FILE *out, const double v[3], const char *unit)
-{
-  fprintf(out, "[%.17g %s, %.17g %s, %.17g %s]", v[0], unit, v[1], unit, v[2], unit);
-}
-
-void config_put_timed(FILE *out, const Table *table, const char *unit)
-{
-  if (table->n == 1) {
-    fprintf(out, "%.17g %s", table->y[0], unit);
-    return;
-  }
-  for (size_t i = 0; i < table->n; i++)
-    fprintf(out, "%s[%.17g s, %.17g %s]", i ? ", " : "[", table->x[i], table->y[i], unit);
-  fputc(']', out);
-}
-
-void config_put_direction(FILE *out, const double v[3])
-{
-  fprintf(out, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
-}
 
 void config_put_forces(FILE *out, const CastConfig *config)
 {

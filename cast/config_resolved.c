@@ -8,19 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void config_put_text(FILE *out, const char *text)
-{
-  fputc('"', out);
-  for (; *text; text++) {
-    if (*text == '"' || *text == '\\') fputc('\\', out);
-    if (*text == '\n')
-      fputs("\\n", out);
-    else
-      fputc(*text, out);
-  }
-  fputc('"', out);
-}
-
 /* A file's absolute name, or the name as it is where there is no such file (yet). */
 static void put_path(FILE *out, const char *path)
 {
