@@ -1,3 +1,5 @@
+/* panel_cg.c
+ * Reference: Eisenstat 1981, SIAM J. Sci. Stat. Comput. 2, 1. */
 #include "reduce/mor/panel_cg.h"
 
 #include <math.h>
@@ -6,17 +8,19 @@
 
 #include "reduce/mor/dense_block.h"
 #include "reduce/mor/panel_kernels.h"
+#include "reduce/mor/panel_pivots.h"
 #include "reduce/petsc_compat.h"
 
 enum { CHECK_EVERY = 4 }; // iterations between looks at the true residual: half a product each
 
 static const PetscReal LEAST_REDUCTION = 3e-7; // that single precision may be asked for
+static const PetscReal WORTH_A_LOOK = 10.0;    // the residual of the scaled problem over what is allowed
 
 struct PanelCg {
   Mat A; // borrowed
   MPI_Comm comm;
   PanelMatrix matrix;
-  float *root, *inverse_root; // [n] D^(1/2), D^(-1/2), D the diagonal
+  float *root, *inverse_root; // [n] D^(1/2), D^(-1/2), D the pivots
   int n_beyond;               // rows of other processes that own rows couple to
   PetscSF halo;
   MPI_Datatype row;
@@ -136,7 +140,7 @@ PetscErrorCode panel_cg_create(Mat A, PanelCg **out)
   cg->n_beyond = (int)sparse.n_beyond;
   PetscCall(PetscMalloc5(n + 1, &cg->matrix.start, n, &cg->matrix.upper, n, &cg->matrix.beyond, (size_t)entries,
                          &cg->matrix.column, (size_t)entries, &cg->matrix.value));
-  PetscCall(PetscMalloc2(n, &cg->root, n, &cg->inverse_root));
+  PetscCall(PetscMalloc3(n, &cg->root, n, &cg->inverse_root, n, &cg->matrix.middle));
   fill_pattern(&sparse, &cg->matrix);
   if (sparse.both) PetscCall(create_halo(cg, &sparse));
   PetscCall(sparse_restore(&sparse));
@@ -163,7 +167,7 @@ PetscErrorCode panel_cg_take_values(PanelCg *cg)
   Sparse sparse;
   Vec diagonal;
   const PetscScalar *d;
-  PetscReal smallest;
+  PetscReal smallest, *pivot;
   float *beyond;
 
   PetscFunctionBeginUser;
@@ -172,11 +176,17 @@ PetscErrorCode panel_cg_take_values(PanelCg *cg)
   PetscCall(VecMin(diagonal, NULL, &smallest));
   PetscCheck(smallest > 0.0, cg->comm, PETSC_ERR_USER, "s E + K has %g on its diagonal: positive entries are expected",
              (double)smallest);
+  PetscCall(sparse_get(cg->A, &sparse));
   PetscCall(VecGetArrayRead(diagonal, &d));
+  PetscCall(PetscMalloc1((size_t)sparse.n, &pivot));
+  const PivotRows rows = {sparse.n, sparse.row[0], sparse.column[0], sparse.value[0], d};
+  PetscCall(panel_pivots(&rows, pivot));
   for (int i = 0; i < cg->matrix.n; i++) {
-    cg->root[i] = (float)sqrt(d[i]);
-    cg->inverse_root[i] = (float)(1.0 / sqrt(d[i]));
+    cg->root[i] = (float)sqrt(pivot[i]);
+    cg->inverse_root[i] = (float)(1.0 / sqrt(pivot[i]));
+    cg->matrix.middle[i] = (float)(d[i] / pivot[i] - 2.0);
   }
+  PetscCall(PetscFree(pivot));
   PetscCall(VecRestoreArrayRead(diagonal, &d));
   PetscCall(VecDestroy(&diagonal));
   PetscCall(PetscMalloc1((size_t)PetscMax(cg->n_beyond, 1), &beyond));
@@ -184,7 +194,6 @@ PetscErrorCode panel_cg_take_values(PanelCg *cg)
     PetscCall(PetscSFBcastBegin(cg->halo, MPI_FLOAT, cg->inverse_root, beyond, MPI_REPLACE));
     PetscCall(PetscSFBcastEnd(cg->halo, MPI_FLOAT, cg->inverse_root, beyond, MPI_REPLACE));
   }
-  PetscCall(sparse_get(cg->A, &sparse));
   fill_values(&sparse, (const float *const[2]){cg->inverse_root, beyond}, &cg->matrix);
   PetscCall(sparse_restore(&sparse));
   PetscCall(PetscFree(beyond));
@@ -267,9 +276,17 @@ static PetscErrorCode close_enough(const PanelCg *cg, const PanelColumns *column
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The scaled problem's residual, whose length is at hand, may be near enough. */
+static PetscBool worth_a_look(const PanelColumns *columns, const double rr[PANEL], const double first[PANEL])
+{
+  for (PetscInt c = 0; c < columns->n; c++)
+    if (columns->scale[c] > 0.0 && !(sqrt(rr[c] / first[c]) <= WORTH_A_LOOK * columns->target[c])) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 static PetscErrorCode iterate(PanelCg *cg, const PanelColumns *columns, PetscInt limit, PetscInt *iterations)
 {
-  double rr[PANEL] = {0.0}, before[PANEL], pq[PANEL];
+  double rr[PANEL] = {0.0}, first[PANEL], before[PANEL], pq[PANEL];
   PanelRow alpha = {0.0F}, beta = {0.0F};
   PetscBool close = PETSC_FALSE;
 
@@ -278,6 +295,7 @@ static PetscErrorCode iterate(PanelCg *cg, const PanelColumns *columns, PetscInt
   PetscCall(PetscMemzero(cg->v, (size_t)cg->matrix.n * sizeof *cg->v));
   panel_update(&cg->matrix, &alpha, cg->t, cg->v, cg->x, cg->r, rr);
   PetscCall(sum_over_processes(cg, rr));
+  PetscCall(PetscMemcpy(first, rr, sizeof rr));
   for (*iterations = 0; *iterations < limit && !close; ++*iterations) {
     panel_sweep_backward(&cg->matrix, &beta, cg->r, cg->p, cg->t);
     if (cg->halo) {
@@ -293,7 +311,8 @@ static PetscErrorCode iterate(PanelCg *cg, const PanelColumns *columns, PetscInt
     panel_update(&cg->matrix, &alpha, cg->t, cg->v, cg->x, cg->r, rr);
     PetscCall(sum_over_processes(cg, rr));
     for (int c = 0; c < PANEL; c++) beta[c] = before[c] > 0.0 ? (float)(rr[c] / before[c]) : 0.0F;
-    if (*iterations % (*iterations < 16 ? 2 : CHECK_EVERY) == 1) PetscCall(close_enough(cg, columns, &close));
+    if (*iterations % (*iterations < 16 ? 2 : CHECK_EVERY) == 1 && worth_a_look(columns, rr, first))
+      PetscCall(close_enough(cg, columns, &close));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -337,7 +356,7 @@ PetscErrorCode panel_cg_destroy(PanelCg **out)
   PetscFunctionBeginUser;
   if (!cg) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscFree5(cg->matrix.start, cg->matrix.upper, cg->matrix.beyond, cg->matrix.column, cg->matrix.value));
-  PetscCall(PetscFree2(cg->root, cg->inverse_root));
+  PetscCall(PetscFree3(cg->root, cg->inverse_root, cg->matrix.middle));
   PetscCall(PetscSFDestroy(&cg->halo));
   if (cg->row) PetscCallMPI(MPI_Type_free(&cg->row));
   free(cg->x);

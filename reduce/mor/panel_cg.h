@@ -1,5 +1,6 @@
 /* panel_cg.h - conjugate gradients for many right-hand sides of one sparse symmetric positive definite matrix, in
- * single precision and 16 columns at a time, preconditioned by symmetric Gauss-Seidel within each process. What it
+ * single precision and 16 columns at a time, preconditioned within each process by a modified incomplete
+ * Cholesky factor without fill, of which only the diagonal has to be kept. What it
  * leaves over is for the caller to measure in double precision, and to solve for again. */
 #ifndef REDUCE_MOR_PANEL_CG_H
 #define REDUCE_MOR_PANEL_CG_H

@@ -53,7 +53,7 @@ PANEL_CLONES void panel_apply(const PanelMatrix *A, const PanelRow *p, const Pan
     const int last = first + CHUNK < A->n ? first + CHUNK : A->n;
     PanelRow sum = {0.0F};
     for (int i = first; i < last; i++) {
-      PanelRow row = p[i] - t[i];
+      PanelRow row = p[i] + A->middle[i] * t[i];
       for (int e = A->beyond[i]; e < A->start[i + 1]; e++) row += A->value[e] * t_beyond[A->column[e]];
       subtract(&row, A, A->start[i], A->upper[i], v);
       v[i] = row;

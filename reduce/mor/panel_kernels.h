@@ -1,7 +1,6 @@
 /* panel_kernels.h - the arithmetic of conjugate gradients on panels of 16 columns: row i of a panel is one vector of 16
  * floats, so that sweeps, whose rows depend on each other, still fill the registers.
- * The matrix is A = L + I + U, scaled to a unit diagonal; preconditioner M = (I + L)(I + U) (symmetric Gauss-Seidel).
- */
+ * The matrix is A = L + D + U, scaled by its pivots, so that the preconditioner is M = (I + L)(I + U). */
 #ifndef REDUCE_MOR_PANEL_KERNELS_H
 #define REDUCE_MOR_PANEL_KERNELS_H
 
@@ -17,20 +16,21 @@ typedef struct PanelMatrix {   // rows of one process; symmetric over all of the
                                // of other processes from beyond[i]
   int *column;                 // own row, or number among those of other processes
   float *value;                // of the scaled matrix, without the diagonal
+  float *middle;               // [n] its diagonal less 2
 } PanelMatrix;
 
 /* v = (I + L)^-1 v */
 void panel_sweep_forward(const PanelMatrix *A, PanelRow *v);
 /* p = r + beta p,  t = (I + U)^-1 p */
 void panel_sweep_backward(const PanelMatrix *A, const PanelRow *beta, const PanelRow *r, PanelRow *p, PanelRow *t);
-/* v = (I + L)^-1 (p - t + A_beyond t_beyond); so t + v = (I + L)^-1 A (I + U)^-1 p (Eisenstat 1981).
+/* v = (I + L)^-1 (p + (D - 2) t + A_beyond t_beyond); so t + v = (I + L)^-1 A (I + U)^-1 p (Eisenstat 1981).
  *   dot  += p . (t + v) of each column */
 void panel_apply(const PanelMatrix *A, const PanelRow *p, const PanelRow *t, const PanelRow *t_beyond, PanelRow *v,
                  double dot[PANEL]);
 /* x += alpha t,  r -= alpha (t + v);  dot += r . r of each column */
 void panel_update(const PanelMatrix *A, const PanelRow *alpha, const PanelRow *t, const PanelRow *v, PanelRow *x,
                   PanelRow *r, double dot[PANEL]);
-/* dot += |D^(1/2) (I + L) r|^2: the residual of the matrix as it was before D^(-1/2) A D^(-1/2);  root [n] D^(1/2) */
+/* dot += |D^(1/2) (I + L) r|^2: the residual of the matrix as it was before it was scaled;  root [n] of the pivots */
 void panel_residual(const PanelMatrix *A, const float *root, const PanelRow *r, double dot[PANEL]);
 
 #endif

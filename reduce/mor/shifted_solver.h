@@ -4,7 +4,7 @@
  * residual computed and held against the tolerance, whatever the preconditioner: block conjugate gradients, column by
  * column in arithmetic and block by block in memory traffic, preconditioned by
  *   MUMPS Cholesky, block low-rank where the tolerance allows (default up to a few hundred thousand unknowns),
- *   symmetric Gauss-Seidel sweeps in single precision, 16 columns at a time, where that costs less (panel_cg.h),
+ *   incomplete Cholesky in single precision, 16 columns at a time, where that costs less (panel_cg.h),
  *   BoomerAMG (larger, or forced).
  * PETSc options with the prefix -mor_ (-mor_pc_type and so on) overrule the choice. */
 #ifndef REDUCE_MOR_SHIFTED_SOLVER_H
