@@ -40,14 +40,15 @@ static void set_depths(KernelKind kernel, double h, SurfaceScales *scales)
 }
 
 /* What crosses a plane at right angles to a flat surface or wall is to be the tension: pairs across the plane see c of
- * the stress at the depth where melt fills c. Melt that has settled lies in layers, the first half a spacing deep. */
+ * the stress at the depth where melt fills c, which a wall's stress is divided by already. Melt that has settled lies
+ * in layers, the first half a spacing deep. */
 static void set_stresses(KernelKind kernel, double h, double spacing, SurfaceScales *scales)
 {
   double free = 0.0, wet = 0.0;
   for (double z = 0.5 * spacing; z < kernel_support(kernel) * h; z += spacing) {
-    const double g = flat_gradient(kernel, h, z), fill = flat_fill(kernel, h, z) * spacing;
-    free += interface_stress(g / scales->flat) * fill;
-    wet += g * fill;
+    const double g = flat_gradient(kernel, h, z);
+    free += interface_stress(g / scales->flat) * flat_fill(kernel, h, z) * spacing;
+    wet += g * spacing;
   }
   scales->free = 1.0 / free;
   scales->wet = 1.0 / wet;

@@ -10,7 +10,7 @@ typedef struct SurfaceScales {
   double radius; // m, mean radius of the kernel
   double depth;  // m, mean depth of particles whose curvature is measured
   double free;   // 1/m, stress of the free surface over sigma and interface_stress
-  double wet;    // stress on a wall over its tension and the gradient of what it fills
+  double wet;    // stress on a wall over its tension, the gradient of what it fills and 1 - that
 } SurfaceScales;
 
 /*  h, spacing  m */

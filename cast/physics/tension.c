@@ -14,12 +14,13 @@
 #include "common/vector.h"
 
 enum { ROWS_PER_TASK = 128 };
-static const double least_along = 0.1;  // of the normal: less of it along the wall is no contact line
-static const double most_across = 0.99; // of the normal across the wall
-static const double least_open = 0.3;   // what divides the fill; a particle on a wall has 0.5
-static const double pooled_low = 0.05;  // of the flat gradient: forces are pooled above
-static const double little_wall = 1e-3; // of the kernel: walls nearer than that are near
-static const double little_push = 0.05; // of a flat surface's: less has no direction
+static const double least_along = 0.1;    // of the normal: less of it along the wall is no contact line
+static const double most_across = 0.99;   // of the normal across the wall
+static const double least_open = 0.3;     // what divides the fill; a particle on a wall has 0.5
+static const double pooled_low = 0.05;    // of the flat gradient: forces are pooled above
+static const double little_wall = 1e-3;   // of the kernel: walls nearer than that are near
+static const double little_facing = 1e-3; // of the flat gradient: walls of more hold melt across themselves
+static const double little_push = 0.05;   // of a flat surface's: less has no direction
 
 typedef struct Angle { // at which melt meets walls
   double cos_theta;
@@ -39,7 +40,7 @@ typedef struct Near { // of one particle; what neighbours look at first stands f
   double stress[6];   // N/m2, xx, xy, xz, yy, yz, zz: of the free surface and of that on the wall
   double melt[3];     // 1/m, gradient of what melt fills
   double wall[3];     // 1/m, gradient of what walls fill
-  double pull[3];     // N/m3, on wall: of walls on the free surface that meets them
+  double facing[6];   // 1/m, of each wall's part of it, across itself: sum of g a a over walls of normals a
   double weight;      // m3, with which forces are pooled
   double fill;        // what melt fills
 } Near;
@@ -154,6 +155,23 @@ static void add_fill(const Pass *s, ptrdiff_t i, const PairList *list, double *f
   }
 }
 
+/* Sum of g a a over the walls, each of the normal a, whose parts of the gradient are g: of one flat wall |grad| a a; in
+ * a corner walls add up, which the gradient, a vector, does not. */
+static void add_facing(const Pass *s, ptrdiff_t i, double facing[6])
+{
+  const Tension *t = s->t;
+  const Particles *p = s->p;
+  for (ptrdiff_t k = s->wall->start[i]; k < pair_list_end(s->wall, i); k++) {
+    const ptrdiff_t j = s->wall->index[k], w = j - p->n_fluid;
+    const double a[3] = {p->normal[0][w], p->normal[1][w], p->normal[2][w]};
+    double d[3], q;
+    if (!offset(s, i, j, d, &q)) continue;
+    const double g = p->volume[j] * t->slope * shape_slope(t->kernel, q) * vec_dot(d, a);
+    for (int b = 0, e = 0; b < 3; b++)
+      for (int c = b; c < 3; c++, e++) facing[e] += g * a[b] * a[c];
+  }
+}
+
 /* The angle at the wall particle whose foot is nearest to particle i. */
 static const Angle *nearest_angle(const Pass *s, ptrdiff_t i)
 {
@@ -205,18 +223,14 @@ static double see_behind_wall(const Tension *t, Near *n, const Angle *angle, dou
   return at.raise;
 }
 
-/* Of the free surface, and on walls of -sigma cos(theta), what the wet wall costs more than the dry one. Where a free
- * surface meets the wall, the wall holds it across, never along. */
+/* Of the free surface, and on each wall of -sigma cos(theta), what the wet wall costs more than the dry one, so much
+ * more as pairs see less of the kernel there. */
 static void find_stress(const Tension *t, Near *n, const Angle *angle, double sigma, double gradient)
 {
-  const double walls = sqrt(vec_dot(n->wall, n->wall));
-  double away[3];
+  const double *facing = n->facing, wall = facing[0] + facing[3] + facing[5],
+               wet = -sigma * angle->cos_theta * t->scale.wet / fmax(1.0 - n->walls, least_open);
   interface_add_stress(sigma * t->scale.free * interface_stress(gradient / t->scale.flat), n->normal, n->stress);
-  if (!wall_normal(n, t->scale.flat, away)) return;
-  interface_times_stress(n->stress, away, n->pull);
-  const double held = -2.0 * walls * vec_dot(n->pull, away);
-  for (int a = 0; a < 3; a++) n->pull[a] = held * away[a];
-  interface_add_stress(-sigma * angle->cos_theta * t->scale.wet * walls, away, n->stress);
+  for (int e = 0; e < 6; e++) n->stress[e] += wet * ((e == 0 || e == 3 || e == 5 ? wall : 0.0) - facing[e]);
 }
 
 static void find_normal(const Pass *s, ptrdiff_t i)
@@ -229,6 +243,7 @@ static void find_normal(const Pass *s, ptrdiff_t i)
   add_fill(s, i, s->fluid, &fill, gradient);
   vec_copy(gradient, n->melt);
   add_fill(s, i, s->wall, &n->walls, n->wall);
+  if (n->walls > 0.0) add_facing(s, i, n->facing);
   const double open = fmax(1.0 - n->walls, least_open), part = fmin(1.0, fill / open);
   for (int a = 0; a < 3; a++) gradient[a] = (gradient[a] + part * n->wall[a]) / open; // of fill/(1 - walls)
   vec_copy(gradient, n->normal);
@@ -280,19 +295,16 @@ static void find_force(const Pass *s, ptrdiff_t i)
   const Tension *t = s->t;
   Near *n = &t->near[i];
   if (!n->counts) return;
-  const Sums sums = sum_pairs(s, i);
+  Sums sums = sum_pairs(s, i);
   const double most = 1.5 / t->h, sigma = table_evaluate(t->sigma, s->p->T[i]);
   if (n->share > 0.0)
     n->measured =
         fmax(-most, fmin(most, interface_at_surface(interface_shape(&sums.surface), t->scale.depth, t->scale.radius)));
   n->wet = sums.walls / (sums.walls + little_wall);
-  double away[3], force[3], push[3];
-  vec_axpy(1.0, n->pull, sums.force, force);
+  double *force = sums.force, push[3];
   vec_axpy(1.0, n->wall, n->melt, push);
-  if (wall_normal(n, t->scale.flat, away)) {
-    vec_axpy(-vec_dot(force, away), away, force, force);
-    vec_axpy(-vec_dot(push, away), away, push, push);
-  }
+  interface_keep_along(n->facing, little_facing * t->scale.flat, force);
+  interface_keep_along(n->facing, little_facing * t->scale.flat, push);
   const double open = fmax(1.0 - n->walls, least_open);
   for (int a = 0; a < 3; a++) {
     n->push[a] = n->weight * 2.0 * sigma * push[a] / open;

@@ -77,6 +77,7 @@ static void make_walls(const LatticeTank *tank, WallSet *walls)
     for (int d = 0; d < 3; d++) {
       walls->x[d][walls->n] = x[d];
       walls->foot[d][walls->n] = foot[d];
+      walls->normal[d][walls->n] = foot[d] > x[d] ? 1.0 : foot[d] < x[d] ? -1.0 : 0.0; // along one axis
     }
     walls->volume[walls->n] = dx * dx * dx;
     walls->n++;
