@@ -83,16 +83,19 @@ PAIR_INLINE void interface_times_stress(const double s[6], const double x[3], do
   y[2] = s[2] * x[0] + s[4] * x[1] + s[5] * x[2];
 }
 
-/* x := (1 + facing/small)^-1 x, what is left of x along all walls; facing = sum of g a a over walls of normals a */
-PAIR_INLINE void interface_keep_along(const double facing[6], double small, double x[3])
+/* keep = (1 + facing/small)^-1; keep x is what is left of x along all walls; facing = sum of g a a over walls of
+ * normals a */
+PAIR_INLINE void interface_along_walls(const double facing[6], double small, double keep[6])
 {
   const double *m = facing, a = 1.0 + m[0] / small, b = m[1] / small, c = m[2] / small, d = 1.0 + m[3] / small,
                e = m[4] / small, f = 1.0 + m[5] / small;
   const double A = d * f - e * e, B = c * e - b * f, C = b * e - c * d, per = 1.0 / (a * A + b * B + c * C);
-  const double inverse[6] = {
-      A * per, B * per, C * per, (a * f - c * c) * per, (b * c - a * e) * per, (a * d - b * b) * per};
-  const double whole[3] = {x[0], x[1], x[2]};
-  interface_times_stress(inverse, whole, x);
+  keep[0] = A * per;
+  keep[1] = B * per;
+  keep[2] = C * per;
+  keep[3] = (a * f - c * c) * per;
+  keep[4] = (b * c - a * e) * per;
+  keep[5] = (a * d - b * b) * per;
 }
 
 #endif

@@ -295,16 +295,17 @@ static void find_force(const Pass *s, ptrdiff_t i)
   const Tension *t = s->t;
   Near *n = &t->near[i];
   if (!n->counts) return;
-  Sums sums = sum_pairs(s, i);
+  const Sums sums = sum_pairs(s, i);
   const double most = 1.5 / t->h, sigma = table_evaluate(t->sigma, s->p->T[i]);
   if (n->share > 0.0)
     n->measured =
         fmax(-most, fmin(most, interface_at_surface(interface_shape(&sums.surface), t->scale.depth, t->scale.radius)));
   n->wet = sums.walls / (sums.walls + little_wall);
-  double *force = sums.force, push[3];
-  vec_axpy(1.0, n->wall, n->melt, push);
-  interface_keep_along(n->facing, little_facing * t->scale.flat, force);
-  interface_keep_along(n->facing, little_facing * t->scale.flat, push);
+  double keep[6], both[3], force[3], push[3];
+  vec_axpy(1.0, n->wall, n->melt, both);
+  interface_along_walls(n->facing, little_facing * t->scale.flat, keep);
+  interface_times_stress(keep, sums.force, force);
+  interface_times_stress(keep, both, push);
   const double open = fmax(1.0 - n->walls, least_open);
   for (int a = 0; a < 3; a++) {
     n->push[a] = n->weight * 2.0 * sigma * push[a] / open;
