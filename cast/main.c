@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/io/draw.h"
-#include "cast/io/run_record.h"
-#include "cast/run_case.h"
+#include "cast/draw/draw.h"
+#include "cast/results/run_record.h"
+#include "cast/sim/run_case.h"
 #include "cast/study/study.h"
 #include "cast_build_config.h"
-#include "common/h5.h"
-#include "common/rom_report.h"
+#include "common/h5/h5.h"
+#include "common/rom/rom_report.h"
 #include "revision.h"
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 3 };

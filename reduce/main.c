@@ -7,10 +7,10 @@
 
 #include "cast_build_config.h"
 #include "common/log.h"
-#include "common/rom_picture.h"
-#include "common/rom_report.h"
-#include "reduce/petsc_compat.h"
-#include "reduce/pipeline.h"
+#include "common/rom/rom_picture.h"
+#include "common/rom/rom_report.h"
+#include "reduce/petsc/petsc_compat.h"
+#include "reduce/pipeline/pipeline.h"
 #include "revision.h"
 
 static const char HELP[] =

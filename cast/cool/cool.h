@@ -5,7 +5,7 @@
 #ifndef CAST_COOL_COOL_H
 #define CAST_COOL_COOL_H
 
-#include "cast/mould/coupling.h"
+#include "cast/coupling/coupling.h"
 
 typedef struct Cool Cool;
 

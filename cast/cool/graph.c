@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "cast/kernel/pair.h"
 #include "cast/kernel/dispatch.h"
+#include "cast/kernel/pair.h"
 
 enum { ROWS_PER_TASK = 256 };
 

@@ -6,7 +6,7 @@
 #ifndef CAST_COOL_MOULD_RESPONSE_H
 #define CAST_COOL_MOULD_RESPONSE_H
 
-#include "cast/mould/coupling.h"
+#include "cast/coupling/coupling.h"
 
 typedef struct MouldResponse {
   size_t n;       // patches that melt touches

@@ -5,7 +5,7 @@
 #define CAST_GEOMETRY_SURFACE_H
 
 #include <stdbool.h>
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 typedef struct Surface Surface;
 

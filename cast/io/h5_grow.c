@@ -1,7 +1,7 @@
 #include "cast/io/h5_grow.h"
 
 #include <string.h>
-#include "common/h5_private.h"
+#include "common/h5/h5_private.h"
 
 enum { WIDE_ROW = 512, DEFLATE_LEVEL = 1 }; // level 4 takes thrice the time for 3 % less on particle data
 

@@ -2,7 +2,7 @@
 #ifndef CAST_IO_H5_GROW_H
 #define CAST_IO_H5_GROW_H
 
-#include "common/h5.h"
+#include "common/h5/h5.h"
 
 typedef struct GrowingSet {
   const char *name; // path in the file

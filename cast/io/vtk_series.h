@@ -12,7 +12,7 @@
 #define CAST_IO_VTK_SERIES_H
 
 #include <stdint.h>
-#include "common/h5.h"
+#include "common/h5/h5.h"
 
 typedef struct VtkField { // a value or vector at each point
   const char *name, *units, *description;

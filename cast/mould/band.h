@@ -3,7 +3,7 @@
 #define CAST_MOULD_BAND_H
 
 #include <stdbool.h>
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 typedef struct Band Band;
 

@@ -6,7 +6,7 @@
 #ifndef CAST_MOULD_OUTER_WALLS_H
 #define CAST_MOULD_OUTER_WALLS_H
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 typedef struct OuterWall { // as the input has it
   char surface[ROM_NAME_LENGTH];

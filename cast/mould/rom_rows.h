@@ -4,7 +4,7 @@
 #ifndef CAST_MOULD_ROM_ROWS_H
 #define CAST_MOULD_ROM_ROWS_H
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 typedef struct RomRows {
   size_t r, m;

@@ -3,7 +3,7 @@
 #define CAST_PHYSICS_PROPERTIES_H
 
 #include "cast/particles/particles.h"
-#include "common/material.h"
+#include "common/material/material.h"
 
 /* T, kappa and mu of particles [first, end) from E; melt NULL: left alone. */
 void properties_of_rows(const Material *melt, Particles *particles, ptrdiff_t first, ptrdiff_t end);

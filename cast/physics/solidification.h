@@ -10,7 +10,7 @@
 #define CAST_PHYSICS_SOLIDIFICATION_H
 
 #include <stdbool.h>
-#include "common/material.h"
+#include "common/material/material.h"
 
 typedef struct Solidification {
   double lock_enthalpy; // J/kg; a particle of less is locked; -INFINITY: none ever is

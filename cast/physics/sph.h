@@ -22,7 +22,7 @@
 #include "cast/particles/neighbours.h"
 #include "cast/particles/particles.h"
 #include "cast/physics/spin.h"
-#include "common/material.h"
+#include "common/material/material.h"
 
 typedef enum SphDensity { SPH_CONTINUITY, SPH_SUMMATION } SphDensity;
 

@@ -8,7 +8,7 @@
 #include <signal.h>
 #include <stdint.h>
 #include "common/log.h"
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 enum { STUDY_KEYS = 8, STUDY_MOST_RUNS = 10000 };
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "cast/study/study.h"
-#include "common/yaml_input.h"
+#include "common/input/yaml_input.h"
 
 /* "850 degC" -> 850 and "degC". What the unit means is for the case's input to say. */
 static bool split_quantity(const char *text, double *number, char unit[32])

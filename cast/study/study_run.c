@@ -10,11 +10,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cast/io/run_record.h"
-#include "cast/run_case.h"
+#include "cast/results/run_record.h"
+#include "cast/sim/run_case.h"
 #include "cast/study/study.h"
 #include "common/hash.h"
-#include "common/yaml_input.h"
+#include "common/input/yaml_input.h"
 
 typedef struct Running {
   pid_t process; // 0: none

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/io/run_record.h"
+#include "cast/results/run_record.h"
 #include "cast/study/study.h"
-#include "common/picture.h"
+#include "common/picture/picture.h"
 
 const StudyQuantity study_quantities[STUDY_QUANTITIES] = {
     {"filled", "1", {"filling", "*", "fraction"}}, // of the part, or of the whole cavity

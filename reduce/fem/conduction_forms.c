@@ -1,5 +1,5 @@
 #include "reduce/fem/conduction_forms.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 // PETSc fixes the argument lists below (PetscPointJac, PetscBdPointJac).
 

@@ -1,7 +1,7 @@
 /* thermal_system.c - E, K, B and the ambient column from PETSc's finite-element layer (P1 or P2 on simplices). */
-#include "reduce/fem/thermal_system.h"
 #include "reduce/fem/conduction_forms.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/fem/thermal_system.h"
+#include "reduce/petsc/petsc_compat.h"
 
 #include <petscfe.h>
 #include <petscsnes.h>

@@ -2,7 +2,7 @@
 #ifndef REDUCE_IO_MATRIX_FILES_H
 #define REDUCE_IO_MATRIX_FILES_H
 
-#include "reduce/config.h"
+#include "reduce/config/config.h"
 #include "reduce/io/matrix_market.h"
 
 typedef struct MatrixFiles {

@@ -2,9 +2,9 @@
 
 #include <petscksp.h>
 #include <stdlib.h>
-#include "reduce/collective.h"
 #include "reduce/io/matrix_files.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 /* Entries of rank 0 become rows of all ranks. */
 static PetscErrorCode distribute(MPI_Comm comm, const MarketMatrix *from, PetscInt n, PetscReal sign, Mat *A)

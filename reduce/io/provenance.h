@@ -2,8 +2,8 @@
 #ifndef REDUCE_IO_PROVENANCE_H
 #define REDUCE_IO_PROVENANCE_H
 
-#include "common/rom.h"
-#include "reduce/config.h"
+#include "common/rom/rom.h"
+#include "reduce/config/config.h"
 
 /* Fill the texts (owned, released by provenance_destroy). Errors: CAST_ERR_MEMORY. */
 CastStatus provenance_create(const ReduceConfig *config, const char *command, RomProvenance *provenance,

@@ -2,10 +2,10 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/collective.h"
 #include "reduce/io/provenance.h"
 #include "reduce/io/wall_geometry.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 /* 1^T E 1, J/K */
 static PetscErrorCode measure_heat_capacity(const ThermalSystem *system, double *capacity)

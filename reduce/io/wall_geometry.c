@@ -2,8 +2,8 @@
 #include "reduce/io/wall_geometry_private.h"
 
 #include <stdlib.h>
-#include "reduce/collective.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static const PetscReal THINNEST = 1e-3; // of the band that was asked for
 static const PetscReal NEAR = 1.25;     // a band thicker by this does not fit: thick enough

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 #include "reduce/mesh/mould_mesh.h"
-#include "reduce/mor/model_basis.h"
+#include "reduce/mor/krylov/model_basis.h"
 
 typedef struct WallGeometry { // arrays on rank 0; elsewhere empty. Owned.
   PetscInt r;

@@ -1,9 +1,9 @@
 /* wall_share.c - the boundary triangles of this rank, and its tetrahedra near the cavity wall. */
-#include "reduce/collective.h"
-#include "reduce/io/wall_geometry_private.h"
-#include "reduce/mesh/triangle_tree.h"
 #include "common/vector.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/io/wall_geometry_private.h"
+#include "reduce/mesh/surface/triangle_tree.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 enum { MOST_CORNERS = 4 };
 

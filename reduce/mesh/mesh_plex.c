@@ -1,6 +1,6 @@
 #include "reduce/mesh/mesh_plex.h"
 
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static PetscErrorCode build_plex(MPI_Comm comm, const TetMesh *mesh, DM *dm)
 {

@@ -3,7 +3,7 @@
 #define REDUCE_MESH_MESH_PLEX_H
 
 #include <petscdmplex.h>
-#include "reduce/mesh/tet_mesh.h"
+#include "reduce/mesh/tets/tet_mesh.h"
 
 /* Build the plex of `mesh` (checked; NULL on all ranks but 0), mark the labels "region" (cells) and "patch" (boundary
  * faces, patch_of_triangle [n_triangles]), and distribute it. Collective. */

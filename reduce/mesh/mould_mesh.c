@@ -1,11 +1,11 @@
 #include "reduce/mesh/mould_mesh.h"
 
-#include "reduce/collective.h"
+#include "reduce/mesh/geometry/mould_geometry.h"
+#include "reduce/mesh/layers/wall_layers.h"
 #include "reduce/mesh/mesh_plex.h"
-#include "reduce/mesh/mould_geometry.h"
-#include "reduce/mesh/patches.h"
-#include "reduce/mesh/wall_layers.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/mesh/patches/patches.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 typedef struct WholeMould { // on rank 0
   TetMesh *mesh;

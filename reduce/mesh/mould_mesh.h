@@ -7,8 +7,8 @@
 #define REDUCE_MESH_MOULD_MESH_H
 
 #include <petscdmplex.h>
-#include "common/rom.h"
-#include "reduce/config.h"
+#include "common/rom/rom.h"
+#include "reduce/config/config.h"
 
 typedef struct MouldMesh {
   DM dm;                    // owned

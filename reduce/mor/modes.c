@@ -5,8 +5,8 @@
 
 #include <slepceps.h>
 
-#include "reduce/mor/dense_block.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/petsc/petsc_compat.h"
 
 enum { WIDTH = 32 };                                // modes handed over at a time
 static const PetscReal EIGENVALUE_TOLERANCE = 1e-8; // of lambda: far below what the truncation loses

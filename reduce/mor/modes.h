@@ -3,8 +3,8 @@
 #ifndef REDUCE_MOR_MODES_H
 #define REDUCE_MOR_MODES_H
 
-#include "reduce/mor/krylov_basis.h"
-#include "reduce/mor/shifted_solver.h"
+#include "reduce/linear/shifted_solver.h"
+#include "reduce/mor/krylov/krylov_basis.h"
 
 /* Add the k slowest modes to the basis, by shift-and-invert Lanczos (SLEPc) about -shift, where shift E + K is positive
  * definite; the solver takes that shift. PETSc options with the prefix -mor_ (-mor_eps_ncv and so on) overrule.

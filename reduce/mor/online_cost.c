@@ -4,8 +4,8 @@
 #include <petsctime.h>
 #include <time.h>
 
-#include "reduce/mor/modal_model.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/mor/model/modal_model.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static const double SHORTEST = 0.02; // s of measuring
 

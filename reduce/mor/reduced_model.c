@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "reduce/mor/reduction.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static PetscErrorCode check_config(const ThermalSystem *system, const ReductionConfig *config)
 {

@@ -4,8 +4,8 @@
 
 #include <slepcbv.h>
 #include "common/log.h"
-#include "common/rom.h"
-#include "reduce/mor/model_basis.h"
+#include "common/rom/rom.h"
+#include "reduce/mor/krylov/model_basis.h"
 
 typedef struct ReducedModel {
   PetscInt r, m;

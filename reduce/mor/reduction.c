@@ -8,9 +8,9 @@
 
 #include <math.h>
 
-#include "reduce/mor/dense_block.h"
+#include "reduce/linear/dense_block.h"
 #include "reduce/mor/modes.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static const PetscReal MODES_RTOL = 1e-11;  // what shift-and-invert Lanczos needs inside
 static const PetscReal STORED_RTOL = 1e-12; // moments build on one another

@@ -2,15 +2,15 @@
 #ifndef REDUCE_MOR_REDUCTION_H
 #define REDUCE_MOR_REDUCTION_H
 
-#include "reduce/mor/certificate.h"
-#include "reduce/mor/krylov_basis.h"
-#include "reduce/mor/modal_model.h"
-#include "reduce/mor/moments.h"
-#include "reduce/mor/ports.h"
+#include "reduce/linear/shifted_solver.h"
+#include "reduce/mor/certificate/certificate.h"
+#include "reduce/mor/certificate/step_reference.h"
+#include "reduce/mor/krylov/krylov_basis.h"
+#include "reduce/mor/krylov/ports.h"
+#include "reduce/mor/krylov/shifts.h"
+#include "reduce/mor/model/modal_model.h"
+#include "reduce/mor/model/moments.h"
 #include "reduce/mor/reduced_model.h"
-#include "reduce/mor/shifted_solver.h"
-#include "reduce/mor/shifts.h"
-#include "reduce/mor/step_reference.h"
 
 typedef struct Reduction {
   const ThermalSystem *system;   // borrowed

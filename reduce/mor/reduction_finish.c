@@ -1,11 +1,11 @@
 /* reduction_finish.c - the second stage of a reduction, its certificate, and what is said about it. */
 #include <math.h>
 
-#include "reduce/mor/certificate.h"
-#include "reduce/mor/model_basis.h"
+#include "reduce/mor/certificate/certificate.h"
+#include "reduce/mor/krylov/model_basis.h"
 #include "reduce/mor/reduction.h"
 #include "reduce/mor/second_stage.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static const PetscReal ARNOLDI_WARNING = 0.01;
 static const PetscReal BOUND_RTOL = 1e-4; // what a solve leaves over is added to the bound, and enters squared

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "reduce/mor/reduction.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 enum { EXPECTED_STEPS = 20 }; // of the reference in one window
 

@@ -5,9 +5,9 @@
  * last shift that was complete. What needs the vectors later (residual, near-wall basis) reads them through once. */
 #include <math.h>
 
-#include "reduce/mor/dense_block.h"
+#include "reduce/linear/dense_block.h"
 #include "reduce/mor/reduction.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 static const PetscReal MOST_MEMORY = 4e9;      // bytes of vectors, above which they go to disk
 static const PetscReal DEFLATION_SHARE = 0.03; // of the tolerance: shorter directions are dropped

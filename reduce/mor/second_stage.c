@@ -10,8 +10,8 @@
 
 #include <math.h>
 
-#include "reduce/mor/small_dense.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/linear/small_dense.h"
+#include "reduce/petsc/petsc_compat.h"
 
 enum {
   MOST_INPUTS = 64, // inputs followed when responses are compared: every one up to here, then a sample

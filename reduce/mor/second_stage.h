@@ -2,8 +2,8 @@
 #ifndef REDUCE_MOR_SECOND_STAGE_H
 #define REDUCE_MOR_SECOND_STAGE_H
 
-#include "reduce/mor/modal_model.h"
-#include "reduce/mor/step_reference.h"
+#include "reduce/mor/certificate/step_reference.h"
+#include "reduce/mor/model/modal_model.h"
 
 typedef struct SecondStage {
   PetscReal *weight;      // [p] scale of each port in the Gramian

@@ -1,8 +1,8 @@
 /* transfer.c - H(s) at a real s, of the reduced and of the full model. */
-#include "reduce/mor/dense_block.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/linear/shifted_solver.h"
 #include "reduce/mor/reduced_model.h"
-#include "reduce/mor/shifted_solver.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 
 PetscErrorCode reduced_model_transfer(const ReducedModel *model, PetscReal s, PetscReal *H)
 {

@@ -8,9 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-#include "reduce/collective.h"
 #include "common/vector.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 enum { VTK_TETRAHEDRON = 10, CORNERS = 4 };
 

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "reduce/mor/dense_block.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "reduce/replay/l_stable.h"
 
 static const PetscReal RTOL = 1e-11;     // of each stage's solve

@@ -5,7 +5,7 @@
 #ifndef REDUCE_REPLAY_FULL_RUN_H
 #define REDUCE_REPLAY_FULL_RUN_H
 
-#include "reduce/mor/shifted_solver.h"
+#include "reduce/linear/shifted_solver.h"
 
 typedef struct FullRun FullRun;
 

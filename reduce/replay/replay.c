@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include "reduce/collective.h"
-#include "reduce/mor/dense_block.h"
-#include "reduce/mor/modal_model.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/mor/model/modal_model.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "reduce/replay/field_file.h"
 #include "reduce/replay/full_run.h"
 

@@ -4,8 +4,8 @@
 #ifndef REDUCE_REPLAY_REPLAY_H
 #define REDUCE_REPLAY_REPLAY_H
 
-#include "common/heat_record.h"
 #include "common/log.h"
+#include "common/rom/heat_record.h"
 #include "reduce/fem/thermal_system.h"
 #include "reduce/replay/wall_triangles.h"
 

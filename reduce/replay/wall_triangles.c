@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "reduce/collective.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/collective.h"
+#include "reduce/petsc/petsc_compat.h"
 
 typedef struct Triple { // corners of a ROM triangle, ascending
   int32_t point[3], triangle;

@@ -3,7 +3,7 @@
 #ifndef REDUCE_REPLAY_WALL_TRIANGLES_H
 #define REDUCE_REPLAY_WALL_TRIANGLES_H
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 #include "reduce/mesh/mould_mesh.h"
 
 typedef struct WallTriangles {

@@ -8,7 +8,7 @@
 #include <slepcsys.h>
 
 #include "reduce/mor/online_cost.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/bench/bench.h"
 #include "tests/support/mould_case.h"
 

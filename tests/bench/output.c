@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "cast/sim_private.h"
+#include "cast/sim/sim_private.h"
 #include "tests/bench/bench.h"
 #include "tests/support/cast_case.h"
 

@@ -9,7 +9,7 @@
 
 #include "cast/kernel/kernel.h"
 #include "cast/particles/neighbours.h"
-#include "cast/sim_private.h"
+#include "cast/sim/sim_private.h"
 #include "tests/bench/bench.h"
 #include "tests/support/cast_case.h"
 

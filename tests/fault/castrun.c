@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "cast/io/vtk_series.h"
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/full_disk.h"

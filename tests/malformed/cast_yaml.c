@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "cast_build_config.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/text_file.h"

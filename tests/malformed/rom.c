@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "common/rom_schema.h"
+#include "common/rom/rom_schema.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/synthetic_rom.h"
 

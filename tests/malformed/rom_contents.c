@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 #include "tests/support/synthetic_rom.h"
 
 typedef struct Fault {

@@ -13,8 +13,8 @@
 #include <cmocka.h>
 
 #include "cast_build_config.h"
-#include "common/material.h"
-#include "common/yaml_input.h"
+#include "common/input/yaml_input.h"
+#include "common/material/material.h"
 
 enum { TEXT = 8192 };
 

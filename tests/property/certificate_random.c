@@ -6,7 +6,7 @@
 #include <math.h>
 #include <slepcsys.h>
 
-#include "reduce/config.h"
+#include "reduce/config/config.h"
 #include "tests/support/full_transfer.h"
 #include "tests/support/mould_case.h"
 #include "tests/support/random_mould.h"

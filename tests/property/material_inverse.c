@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "common/material.h"
+#include "common/material/material.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/random_numbers.h"
 

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "cast_build_config.h"
-#include "common/material.h"
+#include "common/material/material.h"
 
 enum { TEXT = 16384, MUTANTS = 3000 };
 

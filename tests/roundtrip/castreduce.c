@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 #include "tests/support/mould_files.h"
 #include "tests/support/program.h"
 #include "tests/support/validation.h"

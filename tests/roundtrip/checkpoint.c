@@ -11,9 +11,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "cast/sim.h"
-#include "common/h5.h"
-#include "common/heat_record.h"
+#include "cast/sim/sim.h"
+#include "common/h5/h5.h"
+#include "common/rom/heat_record.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_run.h"
 #include "tests/support/text_file.h"

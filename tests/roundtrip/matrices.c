@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 #include "tests/support/matrix_mould.h"
 #include "tests/support/mould_files.h"
 #include "tests/support/program.h"

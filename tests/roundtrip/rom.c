@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "common/rom_report.h"
-#include "common/rom_schema.h"
+#include "common/rom/rom_report.h"
+#include "common/rom/rom_schema.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/synthetic_rom.h"
 

@@ -1,5 +1,5 @@
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/box_mould.h"
-#include "reduce/petsc_compat.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_CAST_RUN_H
 #define TESTS_SUPPORT_CAST_RUN_H
 
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "tests/support/cast_case.h"
 
 typedef struct CastRun {

@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_CONFIG_CASE_H
 #define TESTS_SUPPORT_CONFIG_CASE_H
 
-#include "cast/config.h"
+#include "cast/config/config.h"
 
 extern const char CONFIG_LEAST[]; // the keys that must be there
 

@@ -1,5 +1,5 @@
-#include "tests/support/melt_on_mould.h"
 #include "cast/geometry/placement.h"
+#include "tests/support/melt_on_mould.h"
 #include "tests/support/voxel_mould.h"
 
 #include <math.h>

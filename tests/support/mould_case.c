@@ -3,7 +3,7 @@
 #include <math.h>
 #include <petscksp.h>
 
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "reduce/replay/l_stable.h"
 
 const BoxMould INVESTMENT_BOX = {.size = {0.024, 0.016, 0.02},

@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_MOULD_FILES_H
 #define TESTS_SUPPORT_MOULD_FILES_H
 
-#include "reduce/config.h"
+#include "reduce/config/config.h"
 
 typedef struct MouldFiles {
   char folder[64];

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/voxel_mould.h"
 

@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_RESULTS_CASE_H
 #define TESTS_SUPPORT_RESULTS_CASE_H
 
-#include "cast/io/melt_results.h"
+#include "cast/results/melt_results.h"
 #include "tests/support/cast_case.h"
 
 extern RomData *results_rom;

@@ -4,7 +4,7 @@
 #ifndef TESTS_SUPPORT_SHAPED_MOULD_H
 #define TESTS_SUPPORT_SHAPED_MOULD_H
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 typedef struct ShapedBox {
   double low[3], high[3]; // m

@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_SYNTHETIC_ROM_H
 #define TESTS_SUPPORT_SYNTHETIC_ROM_H
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 /* A slab of mould 0 <= x <= size[0], 0 <= y <= size[1], -depth <= z <= 0. The melt stands on its top face z = 0, the
  * cavity wall, cut into patches[0] x patches[1] equal patches "top/1".. (x runs fastest); the outer patches are

@@ -3,7 +3,7 @@
 #ifndef TESTS_SUPPORT_VOXEL_MOULD_H
 #define TESTS_SUPPORT_VOXEL_MOULD_H
 
-#include "common/rom.h"
+#include "common/rom/rom.h"
 
 typedef struct VoxelMould {
   size_t n[3];          // cells along each axis

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/io/defects.h"
-#include "cast/io/wall_maps.h"
+#include "cast/results/defects.h"
+#include "cast/results/wall_maps.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/synthetic_rom.h"

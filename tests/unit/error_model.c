@@ -5,10 +5,10 @@
 #include <math.h>
 #include <slepcsys.h>
 
-#include "reduce/mor/certificate.h"
-#include "reduce/mor/laplace_contour.h"
-#include "reduce/mor/ports.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/mor/certificate/certificate.h"
+#include "reduce/mor/certificate/laplace_contour.h"
+#include "reduce/mor/krylov/ports.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
 static const PetscReal T_START = 0.05, T_END = 50.0;

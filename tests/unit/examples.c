@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "cast/config.h"
+#include "cast/config/config.h"
 #include "cast/study/study.h"
 #include "cast_build_config.h"
 #include "tests/support/assert_ok.h"

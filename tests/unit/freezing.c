@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "cast/io/freezing.h"
+#include "cast/results/freezing.h"
 #include "tests/support/assert_close.h"
 
 static double T_range[2] = {1000.0, 1100.0}, fractions[2] = {1.0, 0.0};

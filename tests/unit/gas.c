@@ -10,7 +10,7 @@
 
 #include "cast/kernel/pair.h"
 #include "cast/pour/gas.h"
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"

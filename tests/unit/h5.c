@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "common/h5.h"
+#include "common/h5/h5.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/full_disk.h"
 

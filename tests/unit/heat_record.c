@@ -13,9 +13,9 @@
 
 #include <cmocka.h>
 
-#include "cast/io/heat_recorder.h"
-#include "cast/sim.h"
-#include "common/h5.h"
+#include "cast/results/heat_recorder.h"
+#include "cast/sim/sim.h"
+#include "common/h5/h5.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"

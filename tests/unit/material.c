@@ -13,7 +13,7 @@
 
 #include "cast_build_config.h"
 #include "common/hash.h"
-#include "common/material.h"
+#include "common/material/material.h"
 #include "tests/support/assert_close.h"
 
 static const double ZERO_CELSIUS = 273.15; // K

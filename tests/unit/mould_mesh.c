@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "reduce/mesh/mould_geometry.h"
+#include "reduce/mesh/geometry/mould_geometry.h"
 #include "reduce/mesh/mould_mesh.h"
 #include "tests/support/mould_files.h"
 

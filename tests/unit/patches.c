@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "reduce/mesh/partition.h"
-#include "reduce/mesh/triangle_tree.h"
 #include "common/vector.h"
+#include "reduce/mesh/patches/partition.h"
+#include "reduce/mesh/surface/triangle_tree.h"
 
 enum { MOST = 20000 };
 static const double PI = 3.14159265358979323846;

@@ -11,8 +11,8 @@
 #include <cairo.h>
 #include <cmocka.h>
 
-#include "common/picture.h"
-#include "common/rom_picture.h"
+#include "common/picture/picture.h"
+#include "common/rom/rom_picture.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/synthetic_rom.h"
 

@@ -15,7 +15,7 @@
 #include "cast/kernel/pair.h"
 #include "cast/pour/inlet.h"
 #include "cast/pour/outlet.h"
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_run.h"

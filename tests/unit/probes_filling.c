@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/io/filling.h"
-#include "cast/io/probes.h"
 #include "cast/geometry/placement.h"
+#include "cast/results/filling.h"
+#include "cast/results/probes.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"

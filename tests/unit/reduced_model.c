@@ -4,7 +4,7 @@
 #include <math.h>
 #include <slepcsys.h>
 
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
 static void reduce(const BoxMould *box, const ReductionConfig *config, MouldCase *mould, ReducedModel **model)

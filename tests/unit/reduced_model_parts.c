@@ -4,14 +4,14 @@
 #include <math.h>
 #include <slepcsys.h>
 
-#include "reduce/mor/dense_block.h"
-#include "reduce/mor/krylov_basis.h"
-#include "reduce/mor/lanczos.h"
-#include "reduce/mor/residual.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/linear/small_dense.h"
+#include "reduce/mor/certificate/lanczos.h"
+#include "reduce/mor/certificate/residual.h"
+#include "reduce/mor/krylov/krylov_basis.h"
+#include "reduce/mor/krylov/shifts.h"
 #include "reduce/mor/second_stage.h"
-#include "reduce/mor/shifts.h"
-#include "reduce/mor/small_dense.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
 static double worst_residual(const ThermalSystem *system, PetscReal s, Mat B, Mat X)

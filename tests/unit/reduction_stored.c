@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "reduce/mor/dense_block.h"
-#include "reduce/mor/shift_blocks.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/mor/krylov/shift_blocks.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
 static BoxMould small_box(double h)

@@ -8,9 +8,9 @@
 #include "tests/support/petsc_test.h"
 
 #include "reduce/io/wall_geometry.h"
-#include "reduce/mor/dense_block.h"
-#include "reduce/mor/krylov_basis.h"
-#include "reduce/mor/ports.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/mor/krylov/krylov_basis.h"
+#include "reduce/mor/krylov/ports.h"
 #include "reduce/replay/field_file.h"
 #include "reduce/replay/full_run.h"
 #include "reduce/replay/wall_triangles.h"

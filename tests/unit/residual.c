@@ -6,10 +6,10 @@
 #include <slepcsys.h>
 #include <stdlib.h>
 
-#include "reduce/mor/dense_block.h"
-#include "reduce/mor/ports.h"
-#include "reduce/mor/residual.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/linear/dense_block.h"
+#include "reduce/mor/certificate/residual.h"
+#include "reduce/mor/krylov/ports.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/mould_case.h"
 
 static const PetscReal SHIFT = 1.0; // 1/s

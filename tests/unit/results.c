@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "cast/io/melt_results.h"
+#include "cast/results/melt_results.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/results_case.h"

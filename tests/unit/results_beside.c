@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "cast/io/csv.h"
-#include "cast/io/mould_results.h"
+#include "cast/results/mould_results.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/results_case.h"

@@ -13,11 +13,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "cast/draw/draw.h"
 #include "cast/geometry/surface.h"
 #include "cast/io/csv_read.h"
-#include "cast/io/draw.h"
-#include "cast/io/run_record.h"
-#include "cast/sim.h"
+#include "cast/results/run_record.h"
+#include "cast/sim/sim.h"
 #include "tests/support/assert_close.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_run.h"

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "reduce/mesh/mould_geometry.h"
+#include "reduce/mesh/geometry/mould_geometry.h"
+#include "reduce/mesh/geometry/stl_file.h"
 #include "reduce/mesh/mould_mesh.h"
-#include "reduce/mesh/stl_file.h"
 #include "tests/support/mould_files.h"
 
 /* A cup on a pin, both round (facets about the axis z): radius 4 mm from 6 to 12 mm, radius 1 mm from 2 to 6 mm. */

@@ -4,7 +4,7 @@
 #include <petscksp.h>
 
 #include "reduce/fem/thermal_system.h"
-#include "reduce/petsc_compat.h"
+#include "reduce/petsc/petsc_compat.h"
 #include "tests/support/box_mould.h"
 
 static const BoxMould BOX = {.size = {0.02, 0.012, 0.03},

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "reduce/mesh/mould_geometry.h"
-#include "reduce/mesh/resolution.h"
 #include "common/vector.h"
-#include "reduce/mesh/wall_layers.h"
+#include "reduce/mesh/geometry/mould_geometry.h"
+#include "reduce/mesh/layers/wall_layers.h"
+#include "reduce/mesh/tets/resolution.h"
 #include "tests/support/mould_files.h"
 
 /* A mould of one or two regions whose outside is "outer" and whose cavity is "wall". */

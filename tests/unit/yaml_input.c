@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "common/yaml_input.h"
+#include "common/input/yaml_input.h"
 #include "tests/support/assert_close.h"
 
 static YamlInput *open_text(const char *text)

@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/synthetic_rom.h"
 #include "tests/support/validation.h"

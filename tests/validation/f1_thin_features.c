@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "cast/sim_private.h"
+#include "cast/sim/sim_private.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/validation.h"

@@ -8,7 +8,7 @@
 #include <slepcsys.h>
 #include <stdio.h>
 
-#include "reduce/mesh/resolution.h"
+#include "reduce/mesh/tets/resolution.h"
 #include "tests/support/mould_case.h"
 #include "tests/support/mould_files.h"
 #include "tests/support/validation.h"

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "cast/io/freezing.h"
+#include "cast/results/freezing.h"
 #include "tests/support/melt_on_mould.h"
 #include "tests/support/validation.h"
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cast/sim.h"
+#include "cast/sim/sim.h"
 #include "tests/support/assert_ok.h"
 #include "tests/support/cast_case.h"
 #include "tests/support/validation.h"

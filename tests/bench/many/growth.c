@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/picture.h"
+#include "common/picture/picture.h"
 
 enum { MOST = 64, PANELS = 4 };
 
